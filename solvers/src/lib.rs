@@ -1,0 +1,84 @@
+//! Sparse linear solvers behind one trait.
+//!
+//! A system is analysed once per sparsity pattern, refreshed whenever its values change, and
+//! then solved for one right-hand side at a time:
+//!
+//! ```text
+//! SolverSpec ("faer-cg:preconditioner=stale") ── build ──▶ Box<dyn LinearSolver>
+//! Problem (pattern, symmetry, coordinates)   ── analyse ─▶ ordering and symbolic factorisation
+//! CsrView (values)                           ── refresh ─▶ numeric factor or preconditioner
+//! right-hand side, initial guess             ── solve ───▶ solution, SolveReport
+//! ```
+//!
+//! Every solution is checked against the residual computed afresh from the matrix, and every
+//! result has the same bits for any number of threads. The crate knows nothing of the physics.
+//!
+//! A new backend is one new module and one line in [`BACKENDS`].
+
+mod auto;
+mod cholesky;
+mod error;
+mod faer_cg;
+mod faer_llt;
+mod matrix;
+mod ordering;
+mod preconditioner;
+mod problem;
+mod registry;
+mod report;
+mod spec;
+mod system;
+#[cfg(test)]
+mod test_support;
+
+pub use auto::{Choice, choose};
+pub use cholesky::predict;
+pub use error::{SolveError, SpecError};
+pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
+pub use ordering::{Permutation, nested_dissection};
+pub use problem::{Coordinates, Problem, Symmetry};
+pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
+pub use report::{FactorPrediction, SolveReport, SolverCounters};
+pub use spec::SolverSpec;
+
+/// A linear solver for one sparsity pattern at a time: analyse, refresh, solve.
+///
+/// The three stages must be called in this order; `refresh` and `solve` may then be repeated
+/// as often as values or right-hand sides change.
+pub trait LinearSolver: Send {
+    /// The name of the backend that does the work, as it stands in [`BACKENDS`].
+    fn name(&self) -> &'static str;
+
+    /// Takes the sparsity pattern: ordering and symbolic factorisation. The values of
+    /// `problem.pattern` are not read. Call it again only when the pattern changes.
+    ///
+    /// # Errors
+    /// [`SolveError::Refused`] if the backend cannot treat this symmetry, and the errors of
+    /// [`Problem::validate`].
+    fn analyse(&mut self, problem: &Problem<'_>) -> Result<(), SolveError>;
+
+    /// Takes new values on the analysed pattern: numeric factorisation or preconditioner.
+    ///
+    /// # Errors
+    /// [`SolveError::NotAnalysed`], [`SolveError::PatternChanged`], [`SolveError::NotFinite`],
+    /// [`SolveError::Singular`], [`SolveError::NotPositiveDefinite`].
+    fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError>;
+
+    /// Solves `matrix · x = rhs`. `matrix` must be the one last given to `refresh`.
+    ///
+    /// `x` holds the initial guess on entry (iterative backends only) and the solution on
+    /// return. After an error its content is of no use.
+    ///
+    /// # Errors
+    /// [`SolveError::NotConverged`], [`SolveError::Inaccurate`], [`SolveError::Breakdown`]
+    /// and the errors of `refresh`.
+    fn solve(
+        &mut self,
+        matrix: CsrView<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+    ) -> Result<SolveReport, SolveError>;
+
+    /// What the solver has done since it was built.
+    fn counters(&self) -> &SolverCounters;
+}

@@ -1,0 +1,278 @@
+//! The divergence-consistent gradient: corrected weights whose column sums vanish inside.
+//!
+//! Where the spacing varies the area vectors of the plain gradient do not vanish, so a uniform flux
+//! or stress is out of balance ("ghost forces"). The weights are corrected on the same bonds,
+//! (C f)_i = Σ_b ω V_j (R λ)_b (f_j − f_i), with one multiplier field λ per component from
+//! A λ = t − Gᵀ V 1, A = Rᵀ D(V_i ω V_j) R the hourglass matrix. R λ is orthogonal to linear
+//! functions, so G + C stays exact for them.
+//!
+//! Column sums are taken in the cloud continued across its planes, each component with the parity
+//! of its own linear function (odd across planes normal to it, even across the others). The
+//! correction is then a property of the geometry alone and serves every field, whatever its own
+//! boundary conditions; boundary terms of a field's parity stay what they are on a lattice.
+
+use std::sync::Arc;
+
+use perifrac_solvers::{
+    Coordinates, CsrView, Problem, SolveError, SolverSpec, SpecError, Symmetry, multiply,
+};
+
+use super::{Pattern, PatternError, scalar};
+use crate::geometry::{Side, Vector};
+use crate::operators::{
+    BondForm, Extension, Gradient, Hourglass, Neighbourhood, Parity, column_sums, family_gradient,
+};
+
+/// What the correction achieved.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Consistency {
+    /// Largest column sum before, relative to the face of a cell.
+    pub before: f64,
+    /// Largest deviation of a column sum from its target after, relative to the face of a cell.
+    pub after: f64,
+    /// Largest ratio of a family's correction to its plain weights; beyond about one half the
+    /// corrected gradient is no longer trustworthy.
+    pub ratio: f64,
+}
+
+/// Why the gradient could not be made divergence-consistent.
+#[derive(Debug, thiserror::Error)]
+pub enum ConsistencyError {
+    /// A cloud without boundary planes has no known boundary layer.
+    #[error(
+        "the divergence-consistent gradient needs the boundary planes of the cloud; give \
+         geometry.bounds, or set flow.gradient = \"plain\""
+    )]
+    NoPlanes,
+    /// The multipliers could not be computed.
+    #[error("the divergence-consistent gradient could not be computed: {0}")]
+    Solve(#[from] SolveError),
+    /// The solver is not there.
+    #[error(transparent)]
+    Solver(#[from] SpecError),
+    /// The hourglass matrix is too large.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+}
+
+/// Corrects the plain gradient of `around`; `one_sided[side]` tells where its families see no
+/// images.
+///
+/// # Errors
+/// [`ConsistencyError`] for a cloud without planes, or if a solve fails.
+pub fn consistent_gradient<const D: usize>(
+    around: &Arc<Neighbourhood<D>>,
+    one_sided: &[bool],
+) -> Result<(Gradient<D>, Consistency), ConsistencyError> {
+    if !around.cloud.domain.planes {
+        return Err(ConsistencyError::NoPlanes);
+    }
+    let plain = Arc::new(Gradient::plain(around));
+    let form = Hourglass::new(around.clone(), plain.clone());
+    let pattern = Pattern::new(&form)?;
+    let layer = boundary_layer(around, one_sided);
+    let mut corrected = plain.weight.clone();
+    let mut quality = Consistency { before: 0.0, after: 0.0, ratio: 0.0 };
+    for axis in 0..D {
+        let natural = natural_extension(around, axis, one_sided);
+        let sign = |_: usize, bond: usize| natural.sign(around.families.image(bond));
+        let sums: Vec<f64> = column_sums(around, |a, b| if a == axis { plain.weight[b][a] } else { 0.0 }, sign)
+            .into_iter()
+            .map(|sum| sum[axis])
+            .collect();
+        let target = targets(around, axis, one_sided, &layer, &sums);
+        let rhs: Vec<f64> = target.iter().zip(&sums).map(|(t, s)| t - s).collect();
+        quality.before = quality.before.max(relative(around, &rhs));
+        let lambda = multipliers(&form, &natural, &pattern, &rhs)?;
+        add_correction(around, &natural, &lambda, axis, &mut corrected);
+        let after = column_sums(around, |a, b| if a == axis { corrected[b][a] } else { 0.0 }, sign);
+        let left: Vec<f64> = after.iter().zip(&target).map(|(s, t)| s[axis] - t).collect();
+        quality.after = quality.after.max(relative(around, &left));
+    }
+    quality.ratio = correction_ratio(around, &plain.weight, &corrected);
+    Ok((Gradient { weight: corrected }, quality))
+}
+
+/// Continuation natural to the linear function x_axis.
+fn natural_extension<const D: usize>(
+    around: &Neighbourhood<D>,
+    axis: usize,
+    one_sided: &[bool],
+) -> Extension<D> {
+    let parity: Vec<Parity> = Side::all(D)
+        .map(|side| match (one_sided[side.index()], side.axis == axis) {
+            (true, _) => Parity::OneSided,
+            (false, true) => Parity::Odd,
+            (false, false) => Parity::Even,
+        })
+        .collect();
+    let planes: Vec<f64> = Side::all(D).map(|side| around.cloud.domain.plane(side)).collect();
+    Extension::new(&around.families.images, &parity, &planes)
+}
+
+/// Largest entry relative to the face of the point's cell.
+fn relative<const D: usize>(around: &Neighbourhood<D>, sums: &[f64]) -> f64 {
+    let face = |point: usize| around.cloud.volume[point] / around.cloud.spacing(point);
+    sums.iter().enumerate().map(|(point, sum)| sum.abs() / face(point)).fold(0.0, f64::max)
+}
+
+/// Points whose column sums feel a one-sided plane: those whose own horizon, or that of a point
+/// that sees them, crosses it.
+fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, one_sided: &[bool]) -> Vec<bool> {
+    let domain = &around.cloud.domain;
+    let crosses = |point: usize| {
+        Side::all(D).filter(|side| one_sided[side.index()]).any(|side| {
+            let gap = (around.cloud.position[point][side.axis] - domain.plane(side)).abs();
+            gap < around.families.horizon[point]
+        })
+    };
+    let crossing: Vec<bool> = (0..around.len()).map(crosses).collect();
+    (0..around.len())
+        .map(|point| crossing[point] || around.families.dual(point).any(|(owner, _)| crossing[owner]))
+        .collect()
+}
+
+/// Column sums wanted: zero inside, the layer's own at one-sided planes, adjusted so that the
+/// divergence theorem holds for every linear function that the mirrors allow.
+fn targets<const D: usize>(
+    around: &Neighbourhood<D>,
+    axis: usize,
+    one_sided: &[bool],
+    layer: &[bool],
+    sums: &[f64],
+) -> Vec<f64> {
+    let mut target: Vec<f64> =
+        sums.iter().zip(layer).map(|(sum, layer)| if *layer { *sum } else { 0.0 }).collect();
+    let basis = null_functions(around, axis, one_sided);
+    if basis.is_empty() {
+        return target;
+    }
+    let size = basis.len();
+    let weight: Vec<f64> = target.iter().map(|t| t.abs()).collect();
+    let weighted = |f: &[f64], g: &[f64]| -> f64 {
+        weight.iter().zip(f).zip(g).map(|((w, f), g)| w * f * g).sum()
+    };
+    let matrix = nalgebra::DMatrix::from_fn(size, size, |a, b| weighted(&basis[a], &basis[b]));
+    let rhs = nalgebra::DVector::from_fn(size, |a, _| {
+        basis[a].iter().zip(sums.iter().zip(&target)).map(|(f, (s, t))| f * (s - t)).sum()
+    });
+    if let Some(solution) = matrix.lu().solve(&rhs) {
+        for (function, &amount) in basis.iter().zip(solution.iter()) {
+            for ((t, w), f) in target.iter_mut().zip(&weight).zip(function) {
+                *t += amount * w * f;
+            }
+        }
+    }
+    target
+}
+
+/// Values of the linear functions that the hourglass matrix of this component cannot see.
+fn null_functions<const D: usize>(
+    around: &Neighbourhood<D>,
+    axis: usize,
+    one_sided: &[bool],
+) -> Vec<Vec<f64>> {
+    let mirrored = |a: usize| -> Vec<Side> {
+        Side::all(D).filter(|side| side.axis == a && !one_sided[side.index()]).collect()
+    };
+    let coordinate = |a: usize, shift: f64| -> Vec<f64> {
+        around.cloud.position.iter().map(|x: &Vector<D>| x[a] - shift).collect()
+    };
+    match mirrored(axis).as_slice() {
+        [] => {
+            let mut basis = vec![vec![1.0; around.len()]];
+            let centre = (around.cloud.domain.lower + around.cloud.domain.upper) * 0.5;
+            let free = (0..D).filter(|&a| mirrored(a).is_empty());
+            basis.extend(free.map(|a| coordinate(a, centre[a])));
+            basis
+        }
+        [side] => vec![coordinate(axis, around.cloud.domain.plane(*side))],
+        _ => Vec::new(),
+    }
+}
+
+/// Shift that keeps the singular cases factorable, relative to the diagonal.
+const SHIFT: f64 = 1e-13;
+/// Corrections of the multipliers; each gains many digits.
+const REFINEMENTS: usize = 12;
+
+/// λ with A λ = rhs, by a factor of the shifted matrix and refinement with the true one.
+fn multipliers<const D: usize>(
+    form: &Hourglass<D>,
+    natural: &Extension<D>,
+    pattern: &Pattern,
+    rhs: &[f64],
+) -> Result<Vec<f64>, ConsistencyError> {
+    let largest = rhs.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+    let mut lambda = vec![0.0; rhs.len()];
+    let around = form.neighbourhood();
+    let face = around.cloud.volume.iter().copied().fold(f64::INFINITY, f64::min);
+    if largest <= 1e-15 * face {
+        return Ok(lambda);
+    }
+    let mut values = vec![0.0; pattern.nonzeros()];
+    scalar::fill(form, natural, &[], pattern, &mut values);
+    let mut shifted = values.clone();
+    for row in 0..pattern.rows() {
+        shifted[pattern.diagonal(row)] *= 1.0 + SHIFT;
+    }
+    let shape = (pattern.rows(), pattern.rows());
+    let view = |values| CsrView::new(shape, &pattern.offsets[..], &pattern.columns[..], values);
+    let coordinates = around.cloud.flat_positions();
+    let mut solver = "faer-llt".parse::<SolverSpec>()?.build()?;
+    solver.analyse(&Problem {
+        pattern: view(&shifted),
+        symmetry: Symmetry::PositiveDefinite,
+        coordinates: Some(Coordinates { dimension: D, values: &coordinates }),
+        unknowns_per_point: 1,
+    })?;
+    solver.refresh(view(&shifted))?;
+    let (mut residual, mut product, mut step) = (rhs.to_vec(), vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
+    for _ in 0..REFINEMENTS {
+        solver.solve(view(&shifted), &residual, &mut step)?;
+        lambda.iter_mut().zip(&step).for_each(|(l, s)| *l += s);
+        multiply(view(&values), &lambda, &mut product);
+        residual.iter_mut().zip(rhs.iter().zip(&product)).for_each(|(r, (b, p))| *r = b - p);
+        if residual.iter().all(|r| r.abs() < 1e-15 * largest) {
+            break;
+        }
+    }
+    Ok(lambda)
+}
+
+/// Adds ω V_j (R λ)_b to one component of the weights.
+fn add_correction<const D: usize>(
+    around: &Neighbourhood<D>,
+    natural: &Extension<D>,
+    lambda: &[f64],
+    axis: usize,
+    weight: &mut [Vector<D>],
+) {
+    let families = &around.families;
+    for owner in 0..around.len() {
+        let difference =
+            |b: usize| natural.sign(families.image(b)) * lambda[families.neighbour(b)] - lambda[owner];
+        let slope = family_gradient(around, owner, difference);
+        for bond in families.family(owner) {
+            let residual = difference(bond) - slope.dot(&around.bond_vector(owner, bond));
+            weight[bond][axis] += around.measure[bond] * residual;
+        }
+    }
+}
+
+fn correction_ratio<const D: usize>(
+    around: &Neighbourhood<D>,
+    plain: &[Vector<D>],
+    corrected: &[Vector<D>],
+) -> f64 {
+    let norm = |weights: &mut dyn Iterator<Item = Vector<D>>| -> f64 {
+        weights.map(|w| w.norm_squared()).sum::<f64>().sqrt()
+    };
+    (0..around.len())
+        .map(|owner| {
+            let family = around.families.family(owner);
+            let change = norm(&mut family.clone().map(|b| corrected[b] - plain[b]));
+            change / norm(&mut family.map(|b| plain[b]))
+        })
+        .fold(0.0, f64::max)
+}

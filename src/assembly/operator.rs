@@ -1,0 +1,109 @@
+//! One trait object per operator: dispatch once per assembly, never per bond.
+
+use super::{Pattern, PatternError, force, scalar};
+use crate::operators::{BondForm, Extension, Neighbourhood};
+
+/// A scalar operator chosen at run time; every [`BondForm`] is one.
+pub trait ScalarOperator<const D: usize>: Send + Sync {
+    /// Name in scenes and reports.
+    fn name(&self) -> &'static str;
+
+    /// The families it lives on.
+    fn neighbourhood(&self) -> &Neighbourhood<D>;
+
+    /// Number of points whose families reach a second hop.
+    fn second_hops(&self) -> usize;
+
+    /// Bytes held beyond the neighbourhood.
+    fn bytes(&self) -> usize;
+
+    /// Sparsity.
+    ///
+    /// # Errors
+    /// [`PatternError`] beyond 2³² nonzeros.
+    fn pattern(&self) -> Result<Pattern, PatternError>;
+
+    /// Values for the given mobility (shape `(n,)`), into `values` (shape `(nonzeros,)`).
+    fn fill(
+        &self,
+        extension: &Extension<D>,
+        mobility: &[f64],
+        pattern: &Pattern,
+        values: &mut [f64],
+    );
+
+    /// The operator applied to bond differences without a matrix, shape `(n,)`.
+    fn force(
+        &self,
+        extension: &Extension<D>,
+        mobility: &[f64],
+        difference: &(dyn Fn(usize, usize) -> f64 + Sync),
+    ) -> Vec<f64>;
+
+    /// Points with bonds that leave through a side of prescribed value.
+    fn outlets(&self, extension: &Extension<D>) -> Vec<u32>;
+
+    /// Rate of outflow through every side, shape `(2D,)`; `owners` comes from `outlets`.
+    fn outflow(
+        &self,
+        extension: &Extension<D>,
+        owners: &[u32],
+        mobility: &[f64],
+        difference: &dyn Fn(usize, usize) -> f64,
+    ) -> Vec<f64>;
+}
+
+impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
+    fn name(&self) -> &'static str {
+        BondForm::name(self)
+    }
+
+    fn neighbourhood(&self) -> &Neighbourhood<D> {
+        BondForm::neighbourhood(self)
+    }
+
+    fn second_hops(&self) -> usize {
+        (0..BondForm::neighbourhood(self).len()).filter(|&owner| self.couples(owner)).count()
+    }
+
+    fn bytes(&self) -> usize {
+        BondForm::bytes(self)
+    }
+
+    fn pattern(&self) -> Result<Pattern, PatternError> {
+        Pattern::new(self)
+    }
+
+    fn fill(
+        &self,
+        extension: &Extension<D>,
+        mobility: &[f64],
+        pattern: &Pattern,
+        values: &mut [f64],
+    ) {
+        scalar::fill(self, extension, mobility, pattern, values);
+    }
+
+    fn force(
+        &self,
+        extension: &Extension<D>,
+        mobility: &[f64],
+        difference: &(dyn Fn(usize, usize) -> f64 + Sync),
+    ) -> Vec<f64> {
+        force::force(self, extension, mobility, difference)
+    }
+
+    fn outlets(&self, extension: &Extension<D>) -> Vec<u32> {
+        force::outlets(self, extension)
+    }
+
+    fn outflow(
+        &self,
+        extension: &Extension<D>,
+        owners: &[u32],
+        mobility: &[f64],
+        difference: &dyn Fn(usize, usize) -> f64,
+    ) -> Vec<f64> {
+        force::outflow(self, extension, owners, mobility, difference)
+    }
+}

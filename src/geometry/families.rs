@@ -1,0 +1,218 @@
+//! Families: the bonds of every point, and their transpose, the dual families.
+
+use rayon::prelude::*;
+
+use super::cell_list::CellList;
+use super::{Cloud, GeometryError, ImageTable, Vector};
+
+/// The cloud together with its mirror images within reach, ready for radius searches.
+pub(super) struct World<const D: usize> {
+    cells: CellList<D>,
+    source: Vec<u32>,
+    image: Vec<u8>,
+}
+
+impl<const D: usize> World<D> {
+    /// Collects real points and all images within `reach` metres of the domain.
+    pub fn new(cloud: &Cloud<D>, images: &ImageTable<D>, reach: f64, edge: f64) -> Self {
+        let mut positions = cloud.position.clone();
+        let mut source: Vec<u32> = (0..cloud.len() as u32).collect();
+        let mut image = vec![0_u8; cloud.len()];
+        let (low, high) = (cloud.domain.lower.add_scalar(-reach), cloud.domain.upper.add_scalar(reach));
+        for (number, mirror) in images.iter().enumerate().skip(1) {
+            for (point, x) in cloud.position.iter().enumerate() {
+                let y = mirror.place(x);
+                if y >= low && y <= high {
+                    positions.push(y);
+                    source.push(point as u32);
+                    image.push(number as u8);
+                }
+            }
+        }
+        World { cells: CellList::new(&positions, edge), source, image }
+    }
+
+    /// Calls `visit(index in this world, squared distance)` for all points within `radius` of `x`.
+    pub fn within(&self, x: &Vector<D>, radius: f64, visit: impl FnMut(u32, f64)) {
+        self.cells.within(x, radius, visit);
+    }
+}
+
+/// All bonds i → j in one flat list, grouped by owner i and sorted by neighbour j.
+///
+/// The dual families H′ (Eq. 2) are the transpose of H and are never searched for.
+#[derive(Debug, Clone)]
+pub struct Families<const D: usize> {
+    /// Horizon of every point in metres, shape `(n,)`.
+    pub horizon: Vec<f64>,
+    /// The images that bonds refer to.
+    pub images: ImageTable<D>,
+    offset: Vec<u32>,
+    neighbour: Vec<u32>,
+    image: Vec<u8>,
+    dual_offset: Vec<u32>,
+    dual_bond: Vec<u32>,
+    dual_owner: Vec<u32>,
+}
+
+const CHUNK: usize = 1024;
+
+impl<const D: usize> Families<D> {
+    /// Finds every neighbour within each point's horizon, images included.
+    ///
+    /// # Errors
+    /// [`GeometryError::TooManyImages`] for a domain too thin for the horizon;
+    /// [`GeometryError::TooLarge`] beyond 32-bit indices.
+    pub fn search(cloud: &Cloud<D>, horizon: Vec<f64>) -> Result<Self, GeometryError> {
+        let reach = horizon.iter().copied().fold(0.0, f64::max);
+        let images = ImageTable::new(&cloud.domain, reach)?;
+        let typical = horizon.iter().sum::<f64>() / horizon.len().max(1) as f64;
+        let world = World::new(cloud, &images, reach, typical);
+        let chunks: Vec<(Vec<u32>, Vec<(u32, u8)>)> = (0..cloud.len().div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(cloud.len());
+                family_chunk(cloud, &world, &horizon, points)
+            })
+            .collect();
+        Self::from_chunks(horizon, images, chunks)
+    }
+
+    fn from_chunks(
+        horizon: Vec<f64>,
+        images: ImageTable<D>,
+        chunks: Vec<(Vec<u32>, Vec<(u32, u8)>)>,
+    ) -> Result<Self, GeometryError> {
+        let bonds: usize = chunks.iter().map(|(_, bonds)| bonds.len()).sum();
+        if bonds > u32::MAX as usize {
+            return Err(GeometryError::TooLarge { what: "bonds", count: bonds });
+        }
+        let mut offset = Vec::with_capacity(horizon.len() + 1);
+        offset.push(0_u32);
+        let mut neighbour = Vec::with_capacity(bonds);
+        let mut image = Vec::with_capacity(bonds);
+        for (counts, chunk) in chunks {
+            let mut end = neighbour.len() as u32;
+            for count in counts {
+                end += count;
+                offset.push(end);
+            }
+            neighbour.extend(chunk.iter().map(|&(j, _)| j));
+            image.extend(chunk.iter().map(|&(_, number)| number));
+        }
+        let (dual_offset, dual_bond, dual_owner) = transpose(&offset, &neighbour);
+        Ok(Families { horizon, images, offset, neighbour, image, dual_offset, dual_bond, dual_owner })
+    }
+
+    /// The same families without the bonds to images for which `keep` is false.
+    ///
+    /// Fields with a natural (one-sided) boundary see no images there.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn retain_images(&self, keep: impl Fn(u8) -> bool) -> Result<Self, GeometryError> {
+        let mut counts = Vec::with_capacity(self.len());
+        let mut bonds = Vec::with_capacity(self.bonds());
+        for point in 0..self.len() {
+            let before = bonds.len();
+            bonds.extend(self.family(point).map(|b| (self.neighbour[b], self.image[b])).filter(|b| keep(b.1)));
+            counts.push((bonds.len() - before) as u32);
+        }
+        Self::from_chunks(self.horizon.clone(), self.images.clone(), vec![(counts, bonds)])
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.horizon.len()
+    }
+
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.horizon.is_empty()
+    }
+
+    /// Number of bonds, those to images included.
+    pub fn bonds(&self) -> usize {
+        self.neighbour.len()
+    }
+
+    /// Bond numbers of the family of `point`.
+    pub fn family(&self, point: usize) -> std::ops::Range<usize> {
+        self.offset[point] as usize..self.offset[point + 1] as usize
+    }
+
+    /// Real neighbour at the end of a bond.
+    pub fn neighbour(&self, bond: usize) -> usize {
+        self.neighbour[bond] as usize
+    }
+
+    /// Image number at the end of a bond; 0 is the neighbour itself.
+    pub fn image(&self, bond: usize) -> u8 {
+        self.image[bond]
+    }
+
+    /// Dual family of `point`: pairs (owner, bond) of all bonds that end at it.
+    pub fn dual(&self, point: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let range = self.dual_offset[point] as usize..self.dual_offset[point + 1] as usize;
+        range.map(|k| (self.dual_owner[k] as usize, self.dual_bond[k] as usize))
+    }
+
+    /// Bond vector ξ = x_j − x_i in metres, to the image where the bond ends at one.
+    pub fn bond_vector(&self, cloud: &Cloud<D>, owner: usize, bond: usize) -> Vector<D> {
+        let end = &cloud.position[self.neighbour(bond)];
+        self.images.get(self.image[bond]).place(end) - cloud.position[owner]
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let words = self.offset.len() + self.neighbour.len() + 3 * self.dual_bond.len();
+        4 * words + self.image.len() + 8 * self.horizon.len()
+    }
+}
+
+/// Family sizes and bonds of a range of points.
+fn family_chunk<const D: usize>(
+    cloud: &Cloud<D>,
+    world: &World<D>,
+    horizon: &[f64],
+    points: std::ops::Range<usize>,
+) -> (Vec<u32>, Vec<(u32, u8)>) {
+    let mut counts = Vec::with_capacity(points.len());
+    let mut bonds: Vec<(u32, u8)> = Vec::with_capacity(24 * points.len());
+    for point in points {
+        let before = bonds.len();
+        world.within(&cloud.position[point], horizon[point], |index, _| {
+            let bond = (world.source[index as usize], world.image[index as usize]);
+            if bond != (point as u32, 0) {
+                bonds.push(bond);
+            }
+        });
+        bonds[before..].sort_unstable();
+        counts.push((bonds.len() - before) as u32);
+    }
+    (counts, bonds)
+}
+
+/// Dual lists: offsets, bonds and their owners, by the point at which bonds end.
+fn transpose(offset: &[u32], neighbour: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    let points = offset.len() - 1;
+    let mut start = vec![0_u32; points + 1];
+    for &j in neighbour {
+        start[j as usize + 1] += 1;
+    }
+    for point in 0..points {
+        start[point + 1] += start[point];
+    }
+    let mut cursor = start.clone();
+    let mut bonds = vec![0_u32; neighbour.len()];
+    let mut owners = vec![0_u32; neighbour.len()];
+    for owner in 0..points {
+        for bond in offset[owner]..offset[owner + 1] {
+            let slot = &mut cursor[neighbour[bond as usize] as usize];
+            bonds[*slot as usize] = bond;
+            owners[*slot as usize] = owner as u32;
+            *slot += 1;
+        }
+    }
+    (start, bonds, owners)
+}

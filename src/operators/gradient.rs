@@ -1,0 +1,87 @@
+//! The nonlocal gradient (Eq. 57) and its adjoint at constants, the area vectors.
+
+use rayon::prelude::*;
+
+use super::{Extension, Neighbourhood};
+use crate::geometry::Vector;
+
+/// Weights of the gradient: (∇̃f)_i = Σ_b weight_b · (bond difference of f)_b.
+#[derive(Debug, Clone)]
+pub struct Gradient<const D: usize> {
+    /// One vector per bond, shape `(bonds,)`, unit 1/m.
+    pub weight: Vec<Vector<D>>,
+}
+
+impl<const D: usize> Gradient<D> {
+    /// The plain weights ω V_j K⁻¹ ξ.
+    pub fn plain(around: &Neighbourhood<D>) -> Self {
+        let weight = (0..around.len())
+            .into_par_iter()
+            .flat_map_iter(|owner| {
+                around.families.family(owner).map(move |bond| plain_weight(around, owner, bond))
+            })
+            .collect();
+        Gradient { weight }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        8 * D * self.weight.len()
+    }
+}
+
+fn plain_weight<const D: usize>(around: &Neighbourhood<D>, owner: usize, bond: usize) -> Vector<D> {
+    around.inverse_shape[owner] * around.bond_vector(owner, bond) * around.measure[bond]
+}
+
+/// Plain gradient of one family from its bond differences, without stored weights.
+pub fn family_gradient<const D: usize>(
+    around: &Neighbourhood<D>,
+    owner: usize,
+    mut difference: impl FnMut(usize) -> f64,
+) -> Vector<D> {
+    let mut sum = Vector::zeros();
+    for bond in around.families.family(owner) {
+        sum += around.bond_vector(owner, bond) * (around.measure[bond] * difference(bond));
+    }
+    around.inverse_shape[owner] * sum
+}
+
+/// Area vectors a_j = Σ_i V_i ∂(∇̃f)_i/∂f_j of a field with the given continuation, shape `(n,)`,
+/// unit m^(D−1).
+///
+/// Zero inside a uniform cloud; in the layer at a one-sided boundary they add up to the outward
+/// area of the boundary, so that a uniform flux or stress is balanced exactly.
+pub fn area_vectors<const D: usize>(
+    around: &Neighbourhood<D>,
+    gradient: &Gradient<D>,
+    extension: &Extension<D>,
+) -> Vec<Vector<D>> {
+    let sign = |_: usize, bond: usize| extension.sign(around.families.image(bond));
+    column_sums(around, |axis, bond| gradient.weight[bond][axis], sign)
+}
+
+/// Column sums Σ_i V_i ∂g_i/∂f_j of a gradient with the given `weight(axis, bond)`, for a field whose
+/// images carry `sign(axis, bond)`; shape `(n,)`, unit m^(D−1).
+pub fn column_sums<const D: usize>(
+    around: &Neighbourhood<D>,
+    weight: impl Fn(usize, usize) -> f64 + Sync,
+    sign: impl Fn(usize, usize) -> f64 + Sync,
+) -> Vec<Vector<D>> {
+    let families = &around.families;
+    let volume = &around.cloud.volume;
+    (0..around.len())
+        .into_par_iter()
+        .map(|point| {
+            let mut sum = Vector::zeros();
+            for axis in 0..D {
+                let own: f64 = families.family(point).map(|bond| weight(axis, bond)).sum();
+                sum[axis] = -volume[point] * own;
+                for (owner, bond) in families.dual(point) {
+                    sum[axis] += volume[owner] * sign(axis, bond) * weight(axis, bond);
+                }
+            }
+            sum
+        })
+        .collect()
+}

@@ -1,0 +1,56 @@
+//! The hourglass energy alone: ½ Σ_i V_i Σ_b ω V_j (R f)²; it vanishes for linear fields only.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{BondForm, Coupling, Gradient, Neighbourhood};
+use crate::geometry::Matrix;
+
+/// Form Rᵀ D(V_i ω V_j) R with R f = f_j − f_i − ∇̃f_i·ξ (Eq. 10).
+#[derive(Debug, Clone)]
+pub struct Hourglass<const D: usize> {
+    around: Arc<Neighbourhood<D>>,
+    gradient: Arc<Gradient<D>>,
+    /// −V_i K_i, shape `(n,)`.
+    stiffness: Vec<Matrix<D>>,
+}
+
+impl<const D: usize> Hourglass<D> {
+    /// Form over the plain gradient of the same neighbourhood.
+    pub fn new(around: Arc<Neighbourhood<D>>, gradient: Arc<Gradient<D>>) -> Self {
+        let stiffness = (0..around.len())
+            .into_par_iter()
+            .map(|i| around.shape(i) * -around.cloud.volume[i])
+            .collect();
+        Hourglass { around, gradient, stiffness }
+    }
+}
+
+impl<const D: usize> BondForm<D> for Hourglass<D> {
+    fn name(&self) -> &'static str {
+        "hourglass"
+    }
+
+    fn neighbourhood(&self) -> &Neighbourhood<D> {
+        &self.around
+    }
+
+    fn conductance(&self, owner: usize, bond: usize, _mobility: &[f64]) -> f64 {
+        self.around.cloud.volume[owner] * self.around.measure[bond]
+    }
+
+    fn couples(&self, _owner: usize) -> bool {
+        true
+    }
+
+    fn coupling(&self, owner: usize, _mobility: &[f64]) -> [Option<Coupling<'_, D>>; 2] {
+        let stiffness = self.stiffness[owner];
+        let weight = &self.gradient.weight[self.around.families.family(owner)];
+        [Some(Coupling { stiffness, weight }), None]
+    }
+
+    fn bytes(&self) -> usize {
+        self.gradient.bytes() + 8 * D * D * self.stiffness.len()
+    }
+}

@@ -1,0 +1,60 @@
+//! What acts on bonds: shape tensors, gradients, hourglass terms, bond conductances.
+//!
+//! A scalar diffusion operator is a sum of local quadratic forms, one per family. With the bond
+//! differences d of the family of point i the energy is ½ dᵀ A_i d, and every form here is
+//!
+//!   A_i = diag(conductance) + Wᵀ M W (+ Uᵀ N U),
+//!
+//! W and U holding one `D`-vector per bond. Forms without the coupling terms reach one hop, forms
+//! with them two. Because the dual sum is the transpose of the family sum (Eq. 2), adding up these
+//! forms gives a symmetric matrix.
+
+mod bond_conductance;
+mod correspondence;
+mod extension;
+mod gradient;
+mod hourglass;
+mod neighbourhood;
+
+pub use bond_conductance::BondConductance;
+pub use correspondence::Correspondence;
+pub use extension::{Extension, Parity};
+pub use gradient::{Gradient, area_vectors, column_sums, family_gradient};
+pub use hourglass::Hourglass;
+pub use neighbourhood::Neighbourhood;
+
+use crate::geometry::{Matrix, Vector};
+
+/// One term Wᵀ M W that couples all bonds of a family.
+#[derive(Debug, Clone, Copy)]
+pub struct Coupling<'a, const D: usize> {
+    /// M, symmetric.
+    pub stiffness: Matrix<D>,
+    /// Columns of W, one per bond of the family.
+    pub weight: &'a [Vector<D>],
+}
+
+/// Local quadratic forms of a diffusion operator; linear or harmonic in the mobility.
+pub trait BondForm<const D: usize>: Send + Sync {
+    /// Name in scenes and reports.
+    fn name(&self) -> &'static str;
+
+    /// The families the form lives on.
+    fn neighbourhood(&self) -> &Neighbourhood<D>;
+
+    /// Diagonal entry of A for one bond of `owner`; `mobility` is K/μ per point in m²/(Pa s).
+    fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64;
+
+    /// Whether the family of `owner` has coupling terms, that is a second hop.
+    fn couples(&self, _owner: usize) -> bool {
+        false
+    }
+
+    /// The coupling terms of the family of `owner`; `None` where [`BondForm::couples`] is false.
+    fn coupling(&self, _owner: usize, _mobility: &[f64]) -> [Option<Coupling<'_, D>>; 2] {
+        [None, None]
+    }
+
+    /// Bytes held beyond the neighbourhood.
+    fn bytes(&self) -> usize;
+}

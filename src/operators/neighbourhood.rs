@@ -1,0 +1,157 @@
+//! Bond geometry shared by all operators: influence-weighted volumes and shape tensors.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::geometry::{Cloud, Families, GeometryError, Influence, Matrix, Vector};
+
+/// Families with their weights ω V_j and shape tensors K (Eq. 56).
+#[derive(Debug, Clone)]
+pub struct Neighbourhood<const D: usize> {
+    /// The points.
+    pub cloud: Arc<Cloud<D>>,
+    /// Their bonds.
+    pub families: Arc<Families<D>>,
+    /// ω(ξ) V_j per bond, shape `(bonds,)`.
+    pub measure: Vec<f64>,
+    /// Inverse shape tensor K⁻¹ per point, shape `(n,)`.
+    pub inverse_shape: Vec<Matrix<D>>,
+    /// m = tr K per point (below Eq. 10), shape `(n,)`.
+    pub moment: Vec<f64>,
+}
+
+/// Smallest accepted ratio of a shape tensor's determinant to that of an isotropic one.
+const SINGULAR: f64 = 1e-8;
+
+impl<const D: usize> Neighbourhood<D> {
+    /// Weighs all bonds.
+    ///
+    /// # Errors
+    /// [`GeometryError::SingularShape`] where a family does not span the space.
+    pub fn new(
+        cloud: Arc<Cloud<D>>,
+        families: Arc<Families<D>>,
+        influence: Influence,
+    ) -> Result<Self, GeometryError> {
+        let weigh = |owner: usize, bond: usize| {
+            let distance = families.bond_vector(&cloud, owner, bond).norm();
+            influence.weight(distance, families.horizon[owner]) * cloud.volume[families.neighbour(bond)]
+        };
+        let measure: Vec<f64> = (0..families.len())
+            .into_par_iter()
+            .flat_map_iter(|owner| families.family(owner).map(move |bond| weigh(owner, bond)))
+            .collect();
+        let shapes: Result<Vec<(Matrix<D>, f64)>, GeometryError> = (0..families.len())
+            .into_par_iter()
+            .map(|owner| invert(&cloud, &families, owner, &measure))
+            .collect();
+        let (inverse_shape, moment) = shapes?.into_iter().unzip();
+        Ok(Neighbourhood { cloud, families, measure, inverse_shape, moment })
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.families.len()
+    }
+
+    /// Whether there are no points.
+    pub fn is_empty(&self) -> bool {
+        self.families.is_empty()
+    }
+
+    /// Bond vector ξ in metres.
+    pub fn bond_vector(&self, owner: usize, bond: usize) -> Vector<D> {
+        self.families.bond_vector(&self.cloud, owner, bond)
+    }
+
+    /// Shape tensor K = Σ ω ξ⊗ξ V_j of a point (Eq. 56), summed afresh.
+    pub fn shape(&self, owner: usize) -> Matrix<D> {
+        shape_tensor(&self.cloud, &self.families, owner, &self.measure)
+    }
+
+    /// Bytes held, families included, the cloud excluded.
+    pub fn bytes(&self) -> usize {
+        self.families.bytes() + 8 * (self.measure.len() + self.moment.len() * (1 + D * D))
+    }
+}
+
+fn shape_tensor<const D: usize>(
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+    owner: usize,
+    measure: &[f64],
+) -> Matrix<D> {
+    let mut shape = Matrix::zeros();
+    for bond in families.family(owner) {
+        let xi = families.bond_vector(cloud, owner, bond);
+        shape += xi * xi.transpose() * measure[bond];
+    }
+    shape
+}
+
+fn invert<const D: usize>(
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+    owner: usize,
+    measure: &[f64],
+) -> Result<(Matrix<D>, f64), GeometryError> {
+    let shape = shape_tensor(cloud, families, owner, measure);
+    let moment = shape.trace();
+    // Scaled to the isotropic tensor the determinant is 1, and falls to 0 with the thinnest axis.
+    let scaled = shape * (D as f64 / moment);
+    let inverse = determinant(&scaled).filter(|&d| d > SINGULAR).and_then(|_| shape.try_inverse());
+    inverse.map(|inverse| (inverse, moment)).ok_or_else(|| GeometryError::SingularShape {
+        point: owner,
+        position: cloud.position[owner].iter().copied().collect(),
+        found: families.family(owner).len(),
+        horizon: families.horizon[owner],
+    })
+}
+
+/// Determinant by elimination; `None` when it is not a number.
+fn determinant<const D: usize>(matrix: &Matrix<D>) -> Option<f64> {
+    let mut a = *matrix;
+    let mut product = 1.0;
+    for k in 0..D {
+        product *= a[(k, k)];
+        for row in k + 1..D {
+            let factor = a[(row, k)] / a[(k, k)];
+            for column in k..D {
+                a[(row, column)] -= factor * a[(k, column)];
+            }
+        }
+    }
+    product.is_finite().then_some(product)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::lattice;
+    use crate::geometry::{Horizon, horizons};
+
+    #[test]
+    fn fifteen_neighbours_are_the_full_twenty_point_shell_and_isotropic() {
+        let cloud = lattice(Vector::<2>::zeros(), Vector::repeat(1.0), [10, 10]).unwrap();
+        let horizon = horizons(&cloud, Horizon::Neighbours(15)).unwrap();
+        assert!((horizon[0] - 5_f64.sqrt() * 0.1).abs() < 1e-6);
+        let families = Families::search(&cloud, horizon).unwrap();
+        assert!((0..100).all(|i| families.family(i).len() == 20), "mirrored families are all full");
+        let cloud = Arc::new(cloud);
+        let around = Neighbourhood::new(cloud, Arc::new(families), Influence::default()).unwrap();
+        // Σ ω ξ⊗ξ V = 20 V / 2 I with ω = 1/|ξ|².
+        let expected = Matrix::<2>::identity() * (10.0 * 0.01);
+        assert!((0..100).all(|i| (around.shape(i) - expected).amax() < 1e-15));
+    }
+
+    #[test]
+    fn points_on_a_line_have_a_singular_shape_tensor() {
+        let mut cloud = lattice(Vector::<2>::zeros(), Vector::new(1.0, 0.1), [10, 1]).unwrap();
+        cloud.domain.planes = false;
+        let horizon = horizons(&cloud, Horizon::Radius(0.25)).unwrap();
+        let families = Families::search(&cloud, horizon).unwrap();
+        let result = Neighbourhood::new(Arc::new(cloud), Arc::new(families), Influence::default());
+        assert!(matches!(result, Err(GeometryError::SingularShape { point: 0, found: 2, .. })));
+    }
+}
