@@ -47,9 +47,20 @@ pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
                 .into(),
         });
     }
-    let unknowns = problem.unknowns();
-    let width = problem.entries_per_row();
-    let limit = direct_limit(problem);
+    let dimension = problem.coordinates.map_or(2, |coordinates| coordinates.dimension);
+    choose_by_size(problem.unknowns(), problem.entries_per_row(), dimension)
+}
+
+/// Chooses a backend for a positive definite system of which only the size is known.
+///
+/// # Errors
+/// None in practice: the specifications chosen from are valid.
+pub fn choose_by_size(
+    unknowns: usize,
+    width: f64,
+    dimension: usize,
+) -> Result<Choice, SolveError> {
+    let limit = direct_limit(width, dimension);
     let (text, comparison) = if unknowns <= limit {
         ("faer-llt", format!("at most {limit}: a factor is cheapest"))
     } else if unknowns <= STALE_RANGE * limit {
@@ -68,12 +79,8 @@ pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
     Ok(Choice { spec, reason })
 }
 
-fn direct_limit(problem: &Problem<'_>) -> usize {
-    let narrow = problem.entries_per_row() <= NARROW_ROW;
-    let solid = problem
-        .coordinates
-        .is_some_and(|coordinates| coordinates.dimension == 3);
-    match (narrow, solid) {
+fn direct_limit(width: f64, dimension: usize) -> usize {
+    match (width <= NARROW_ROW, dimension == 3) {
         (true, false) => 150_000,
         (false, false) => 50_000,
         (true, true) => 40_000,

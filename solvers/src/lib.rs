@@ -31,7 +31,7 @@ mod system;
 #[cfg(test)]
 mod test_support;
 
-pub use auto::{Choice, choose};
+pub use auto::{Choice, choose, choose_by_size};
 pub use cholesky::predict;
 pub use error::{SolveError, SpecError};
 pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};

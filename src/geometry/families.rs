@@ -32,6 +32,11 @@ impl<const D: usize> World<D> {
         World { cells: CellList::new(&positions, edge), source, image }
     }
 
+    /// Real point and image number of an index in this world.
+    pub fn origin(&self, index: u32) -> (usize, u8) {
+        (self.source[index as usize] as usize, self.image[index as usize])
+    }
+
     /// Calls `visit(index in this world, squared distance)` for all points within `radius` of `x`.
     pub fn within(&self, x: &Vector<D>, radius: f64, visit: impl FnMut(u32, f64)) {
         self.cells.within(x, radius, visit);

@@ -9,15 +9,18 @@ pub mod generate;
 mod horizon;
 mod images;
 mod influence;
+mod sampler;
 mod shape;
 mod side;
 
 pub use cloud::{Cloud, Domain};
+pub(crate) use cloud::edge;
 pub use families::Families;
 pub use generate::GenerateError;
 pub use horizon::{Horizon, horizons};
 pub use images::{Image, ImageTable};
 pub use influence::Influence;
+pub use sampler::Sampler;
 pub use shape::Shape;
 pub use side::Side;
 

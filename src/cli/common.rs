@@ -1,0 +1,138 @@
+//! What several verbs share: naming a scene, overriding it, finding the place of a late error.
+
+use std::path::Path;
+
+use crate::cases;
+use crate::effects::EffectError;
+use crate::geometry::GeometryError;
+use crate::model::ModelError;
+use crate::plan::{Plan, resolve};
+use crate::scene::{self, Diagnostic, LoadedScene, Span};
+
+use super::exit::Failure;
+
+/// Scene and overrides, for every verb that reads a scene.
+#[derive(Debug, clap::Args)]
+pub struct SceneArgs {
+    /// Path of a scene file, or name of a bundled case
+    pub scene: String,
+    /// Override a key: --set time.end="2 s", --set materials.left.permeability=1e8
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+    /// Time scheme: explicit or implicit
+    #[arg(long, value_name = "SCHEME")]
+    pub scheme: Option<String>,
+    /// Linear solver: NAME or NAME:key=value,… (see `perifrac solvers`)
+    #[arg(long, value_name = "SOLVER")]
+    pub solver: Option<String>,
+}
+
+/// A scene with its plan.
+pub struct Planned {
+    /// The scene, for places in errors.
+    pub loaded: LoadedScene,
+    /// The plan.
+    pub plan: Plan,
+}
+
+impl SceneArgs {
+    /// Loads and resolves the scene.
+    ///
+    /// # Errors
+    /// [`Failure::Scene`] or [`Failure::Usage`].
+    pub fn plan(&self) -> Result<Planned, Failure> {
+        let mut overrides = self.overrides.clone();
+        let quoted = |value: &str| toml::Value::from(value).to_string();
+        overrides.extend(self.scheme.as_ref().map(|s| format!("scheme.name={}", quoted(s))));
+        overrides.extend(self.solver.as_ref().map(|s| format!("solver.name={}", quoted(s))));
+        let path = Path::new(&self.scene);
+        let (case, loaded) = match cases::find(&self.scene).filter(|_| !path.is_file()) {
+            Some(case) => {
+                let name = format!("{} (bundled case)", case.name);
+                (case.name.to_owned(), scene::load_str(&name, case.scene, Path::new(""), &overrides)?)
+            }
+            None if path.exists() || looks_like_path(&self.scene) => {
+                (case_name(path), scene::load_file(path, &overrides)?)
+            }
+            None => return Err(unknown_case(&self.scene)),
+        };
+        let plan = resolve(&loaded, &case)?;
+        Ok(Planned { loaded, plan })
+    }
+}
+
+fn looks_like_path(name: &str) -> bool {
+    name.contains(['/', '\\']) || name.ends_with(".toml")
+}
+
+fn unknown_case(name: &str) -> Failure {
+    let names = cases::names();
+    let guess = scene::closest(name, names.iter().copied())
+        .map_or_else(String::new, |guess| format!("; did you mean {guess}?"));
+    Failure::Usage(format!(
+        "there is no file and no bundled case called \"{name}\"{guess} (bundled: {})",
+        names.join(", ")
+    ))
+}
+
+/// Name of a case from its path: the file's, or its folder's for a file called scene.toml.
+fn case_name(path: &Path) -> String {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    match stem.as_deref() {
+        Some("scene") => std::path::absolute(path)
+            .ok()
+            .and_then(|path| path.parent()?.file_name().map(|n| n.to_string_lossy().into_owned()))
+            .unwrap_or_else(|| "scene".to_owned()),
+        Some(stem) => stem.to_owned(),
+        None => "scene".to_owned(),
+    }
+}
+
+impl Planned {
+    /// An error of the model, underlined in the scene where it has a place there.
+    pub fn locate(&self, error: &ModelError) -> Failure {
+        let diagnostic = Diagnostic::new(error.to_string());
+        let diagnostic = match self.place(error) {
+            Some(place) => diagnostic.at(place),
+            None => diagnostic,
+        };
+        self.loaded.errors(vec![diagnostic]).into()
+    }
+
+    fn place(&self, error: &ModelError) -> Option<Span> {
+        let scene = &self.loaded.scene;
+        let material = |name: &String| scene.materials.get(name);
+        let well = |name: &String| scene.wells.get(name).map(|well| well.at.span);
+        let horizon = match scene.horizon.span() {
+            span if span.is_somewhere() => span,
+            _ => scene.geometry.span,
+        };
+        match error {
+            ModelError::Geometry(GeometryError::TooLarge { .. }) | ModelError::Generate(_) => {
+                Some(scene.geometry.span)
+            }
+            ModelError::Geometry(_) => Some(horizon),
+            ModelError::EmptyRegion { material: name } => {
+                material(name)?.region.as_ref().map(|region| region.span)
+            }
+            ModelError::EmptyPressureRegion { number } => {
+                scene.flow.as_ref()?.regions.get(number - 1).map(|region| region.region.span)
+            }
+            ModelError::TableLength { path, .. } => scene.materials.iter().find_map(|entry| {
+                match &entry.value.permeability.value {
+                    scene::PermeabilityField::File(file) if file.file.value == *path => {
+                        Some(file.file.span)
+                    }
+                    _ => None,
+                }
+            }),
+            ModelError::Points { .. } | ModelError::UnknownMaterial { .. } => {
+                Some(scene.geometry.span)
+            }
+            ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
+            ModelError::Effect(EffectError::OverlappingWells { second, .. }) => well(second),
+            ModelError::Consistency(_) => Some(scene.flow.as_ref()?.gradient.span),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! The command line: one file per verb.
+
+mod cases;
+mod check;
+mod common;
+mod exit;
+mod plan;
+mod progress;
+mod run;
+mod schema;
+mod solvers;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+/// Implicit peridynamic simulator for flow in porous rock.
+#[derive(Debug, Parser)]
+#[command(name = "perifrac", version, max_term_width = 100)]
+#[command(after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
+                        Precedence: defaults < scene < --set < the other flags.\n\
+                        Exit codes: 0 done, 1 run failed, 2 usage, 3 scene, 4 not converged, \
+                        130 interrupted.")]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Run a scene and write its results
+    Run(run::Args),
+    /// Tell what a scene would run, why, and what it would cost
+    Plan(plan::Args),
+    /// Check a scene without running it
+    Check(check::Args),
+    /// List the bundled cases, or write one to a folder
+    Cases(cases::Args),
+    /// List the linear solvers and their options
+    Solvers(solvers::Args),
+    /// Print the JSON Schema of scenes, for editors
+    Schema,
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Runs the program; the exit code tells how it went.
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().verb {
+        Verb::Run(args) => run::run(&args),
+        Verb::Plan(args) => plan::run(&args),
+        Verb::Check(args) => check::run(&args),
+        Verb::Cases(args) => cases::run(&args),
+        Verb::Solvers(args) => solvers::run(&args),
+        Verb::Schema => schema::run(),
+        Verb::Completions { shell } => {
+            let mut command = Cli::command();
+            clap_complete::generate(shell, &mut command, "perifrac", &mut std::io::stdout());
+            Ok(())
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

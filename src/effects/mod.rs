@@ -1,0 +1,157 @@
+//! What acts at points: loads and sources, each built only if the plan names it.
+//!
+//! A new effect is one new file and one line in `registry`.
+
+mod flux;
+mod gravity;
+mod source;
+mod wall;
+mod wells;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+pub use gravity::Column;
+pub use source::ManufacturedSource;
+
+use crate::assembly::ScalarOperator;
+use crate::geometry::{Side, Vector};
+use crate::operators::{Extension, Parity};
+use crate::plan::Plan;
+
+/// Everything effects may look at while they are built.
+pub struct Context<'a, const D: usize> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// The flow operator.
+    pub operator: &'a dyn ScalarOperator<D>,
+    /// Continuation of the pressure across the sides.
+    pub extension: &'a Extension<D>,
+    /// K/μ per point, m²/(Pa s).
+    pub mobility: &'a [f64],
+    /// Storage coefficient per point, 1/Pa.
+    pub storage: &'a [f64],
+    /// Weight of the fluid, if gravity acts.
+    pub column: Option<&'a Column<D>>,
+}
+
+/// A contribution to the rate of volume at the points.
+pub trait Effect: Send + Sync {
+    /// Name in scenes and reports.
+    fn name(&self) -> &'static str;
+
+    /// Adds the rate at `time` to `rate`, shape `(n,)`, unit m^D/s.
+    fn add_rate(&self, time: f64, rate: &mut [f64]);
+
+    /// Total rate of fluid brought in at `time`, m^D/s; zero for what only moves fluid about or
+    /// acts through prescribed sides, whose flux is measured.
+    fn injection(&self, _time: f64) -> f64 {
+        0.0
+    }
+
+    /// Times at which the rate's slope jumps; steps end there.
+    fn breakpoints(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Whether the rate is the same at all times.
+    fn is_constant(&self) -> bool {
+        self.breakpoints().is_empty()
+    }
+
+    /// Bytes held.
+    fn bytes(&self) -> usize;
+}
+
+/// Why an effect could not be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EffectError {
+    /// A well's support has no point of the cloud.
+    #[error("well \"{name}\" at {at:?}: no point within its radius of {radius:.3e} m")]
+    EmptyWell {
+        /// Name.
+        name: String,
+        /// Position, m.
+        at: Vec<f64>,
+        /// Radius, m.
+        radius: f64,
+    },
+    /// Two wells feed the same points.
+    #[error(
+        "wells \"{first}\" and \"{second}\" overlap: they are {distance:.3e} m apart, and their \
+         radii add up to {radii:.3e} m; move them apart, refine the cloud or set smaller radii"
+    )]
+    OverlappingWells {
+        /// Name.
+        first: String,
+        /// Name.
+        second: String,
+        /// Distance, m.
+        distance: f64,
+        /// Sum of radii, m.
+        radii: f64,
+    },
+    /// The manufactured solution does not fit the scene.
+    #[error("the manufactured source cannot be built: {0}")]
+    Manufactured(String),
+}
+
+type Build<const D: usize> = fn(&Context<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
+
+/// Every effect with the function that builds it, or nothing if the plan does not name it.
+fn registry<const D: usize>() -> [Build<D>; 5] {
+    [wall::build, flux::build, gravity::build, wells::build, source::build]
+}
+
+/// Builds the effects the plan names and no others.
+///
+/// # Errors
+/// [`EffectError`] if a named effect does not fit the cloud.
+pub fn build<const D: usize>(context: &Context<'_, D>) -> Result<Vec<Counted>, EffectError> {
+    let mut effects = Vec::new();
+    for build in registry() {
+        effects.extend(build(context)?.into_iter().map(Counted::new));
+    }
+    Ok(effects)
+}
+
+/// An effect with a counter of its evaluations.
+pub struct Counted {
+    effect: Box<dyn Effect>,
+    evaluations: AtomicU64,
+}
+
+impl Counted {
+    fn new(effect: Box<dyn Effect>) -> Self {
+        Counted { effect, evaluations: AtomicU64::new(0) }
+    }
+
+    /// Adds the rate and counts.
+    pub fn add_rate(&self, time: f64, rate: &mut [f64]) {
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+        self.effect.add_rate(time, rate);
+    }
+
+    /// How often the effect was evaluated.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations.load(Ordering::Relaxed)
+    }
+
+    /// The effect itself.
+    pub fn effect(&self) -> &dyn Effect {
+        &*self.effect
+    }
+}
+
+/// Sides whose parity is the given one.
+fn sides_with<const D: usize>(
+    extension: &Extension<D>,
+    parity: Parity,
+) -> impl Iterator<Item = Side> {
+    let found: Vec<Side> = Side::all(D).filter(|&side| extension.parity(side) == parity).collect();
+    found.into_iter()
+}
+
+/// Vector from a slice of `D` numbers.
+pub(crate) fn vector<const D: usize>(values: &[f64]) -> Vector<D> {
+    Vector::from_fn(|axis, _| values.get(axis).copied().unwrap_or(0.0))
+}

@@ -1,0 +1,104 @@
+//! The explanation as text for a terminal.
+
+use std::fmt;
+
+use super::Explanation;
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {}", self.case, self.title)?;
+        writeln!(
+            f,
+            "  cloud      {} points in {}-D, Δx {}, δ {}",
+            grouped(self.points as u64),
+            self.dimension,
+            range(self.spacing, "m"),
+            range(self.horizon, "m")
+        )?;
+        let materials: Vec<String> =
+            self.materials.iter().map(|(name, count)| format!("{name} ({count})")).collect();
+        writeln!(f, "  materials  {}", materials.join(", "))?;
+        for effect in &self.effects {
+            writeln!(f, "  effect     {} because {}", effect.name, effect.why)?;
+        }
+        writeln!(f, "  operator   {}: {}", self.operator.name, self.operator.why)?;
+        writeln!(f, "  scheme     {}: {}", self.scheme.name, self.scheme.why)?;
+        writeln!(f, "  solver     {}: {}", self.solver.name, self.solver.why)?;
+        writeln!(
+            f,
+            "  size       {} unknowns, about {} bonds, {} nonzeros",
+            grouped(self.unknowns as u64),
+            grouped(self.bonds),
+            grouped(self.nonzeros)
+        )?;
+        let memory = &self.memory;
+        writeln!(
+            f,
+            "  memory     about {} (bonds {}, gradients {}, matrices {}, factor {}, fields {})",
+            bytes(memory.total),
+            bytes(memory.bonds),
+            bytes(memory.gradients),
+            bytes(memory.matrices),
+            bytes(memory.factor),
+            bytes(memory.fields)
+        )?;
+        for limit in &self.limits {
+            if limit.dt.is_finite() {
+                let steps = limit.steps.map_or(String::new(), |n| format!(" ({} steps)", grouped(n)));
+                let (scheme, dt) = (&limit.scheme, limit.dt);
+                writeln!(f, "  limit      {scheme} Δt ≤ {dt:.4e} s{steps}: {}", limit.limiter)?;
+            } else {
+                writeln!(f, "  limit      {}: {}", limit.scheme, limit.limiter)?;
+            }
+        }
+        for number in &self.numbers {
+            writeln!(f, "  number     {} = {:.3e}, {}", number.name, number.value, number.meaning)?;
+        }
+        for warning in &self.warnings {
+            writeln!(f, "  warning    {warning}")?;
+        }
+        Ok(())
+    }
+}
+
+fn range([low, high]: [f64; 2], unit: &str) -> String {
+    if (high - low).abs() <= 1e-9 * high {
+        format!("{high:.4} {unit}")
+    } else {
+        format!("{low:.4}…{high:.4} {unit}")
+    }
+}
+
+/// Digits in groups of three.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let groups: Vec<&str> = digits
+        .as_bytes()
+        .rchunks(3)
+        .rev()
+        .map(|group| std::str::from_utf8(group).unwrap_or_default())
+        .collect();
+    groups.join(" ")
+}
+
+fn bytes(count: u64) -> String {
+    let count = count as f64;
+    match count {
+        c if c >= 1e9 => format!("{:.2} GB", c / 1e9),
+        c if c >= 1e6 => format!("{:.1} MB", c / 1e6),
+        c => format!("{:.0} kB", c / 1e3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_and_bytes_scaled() {
+        assert_eq!(grouped(1_234_567), "1 234 567");
+        assert_eq!(grouped(40), "40");
+        assert_eq!(bytes(2_500_000), "2.5 MB");
+        assert_eq!(range([0.1, 0.1], "m"), "0.1000 m");
+    }
+}

@@ -1,0 +1,117 @@
+//! Cloud and families of a plan.
+
+use crate::effects::vector;
+use crate::geometry::generate::{blocks, graded, jitter, lattice};
+use crate::geometry::{Cloud, Domain, Families, Vector, horizons};
+use crate::plan::{GeometryPlan, Plan, PointTable};
+
+use super::ModelError;
+
+/// Makes the cloud; the table holds what a points file says about materials.
+///
+/// # Errors
+/// [`ModelError`] for a geometry that cannot be generated.
+pub fn build_cloud<const D: usize>(
+    plan: &Plan,
+) -> Result<(Cloud<D>, Option<&PointTable>), ModelError> {
+    match &plan.geometry {
+        GeometryPlan::Lattice { origin, size, cells, jitter: amount, seed } => {
+            let cells = std::array::from_fn(|axis| cells[axis]);
+            let mut cloud = lattice(vector(origin), vector(size), cells)?;
+            jitter(&mut cloud, *amount, *seed);
+            Ok((cloud, None))
+        }
+        GeometryPlan::Graded { origin, axes } => {
+            let axes = std::array::from_fn(|axis| axes[axis].clone());
+            Ok((graded(vector(origin), &axes)?, None))
+        }
+        GeometryPlan::Blocks { origin, size, spacing, refinements } => {
+            Ok((blocks(vector(origin), vector(size), *spacing, refinements)?, None))
+        }
+        GeometryPlan::Points { path, table, bounds } => {
+            let cloud = from_table(path, table, bounds.as_ref())?;
+            Ok((cloud, Some(table)))
+        }
+    }
+}
+
+/// Finds the families of the plan's horizon.
+///
+/// # Errors
+/// [`ModelError::Geometry`].
+pub fn build_families<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+) -> Result<Families<D>, ModelError> {
+    Ok(Families::search(cloud, horizons(cloud, plan.horizon)?)?)
+}
+
+fn from_table<const D: usize>(
+    path: &str,
+    table: &PointTable,
+    bounds: Option<&(Vec<f64>, Vec<f64>)>,
+) -> Result<Cloud<D>, ModelError> {
+    let position: Vec<Vector<D>> = table.position.chunks_exact(D).map(vector).collect();
+    let domain = match bounds {
+        Some((lower, upper)) => {
+            Domain { lower: vector(lower), upper: vector(upper), planes: true }
+        }
+        None => bounding_box(&position),
+    };
+    let cell: Vec<Vector<D>> =
+        table.volume.iter().map(|&v| Vector::repeat(crate::geometry::edge(v, D))).collect();
+    let cloud =
+        Cloud { domain, position, volume: table.volume.clone(), cell, irregular: true };
+    check_inside(path, &cloud)?;
+    check_distinct(path, &cloud)?;
+    Ok(cloud)
+}
+
+fn bounding_box<const D: usize>(position: &[Vector<D>]) -> Domain<D> {
+    let start: (Vector<D>, Vector<D>) =
+        (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
+    let (lower, upper) =
+        position.iter().fold(start, |(low, high), x: &Vector<D>| (low.inf(x), high.sup(x)));
+    Domain { lower, upper, planes: false }
+}
+
+/// Points on or beyond a mirror plane would coincide with their images.
+fn check_inside<const D: usize>(path: &str, cloud: &Cloud<D>) -> Result<(), ModelError> {
+    if !cloud.domain.planes {
+        return Ok(());
+    }
+    let outside = |i: &usize| {
+        let margin = 1e-6 * cloud.spacing(*i);
+        let x = &cloud.position[*i];
+        (0..D).any(|a| x[a] < cloud.domain.lower[a] + margin || x[a] > cloud.domain.upper[a] - margin)
+    };
+    match (0..cloud.len()).find(outside) {
+        None => Ok(()),
+        Some(i) => Err(ModelError::Points {
+            path: path.to_owned(),
+            message: format!(
+                "point {i} at {:?} lies on or outside geometry.bounds; points are cell centres, \
+                 half a cell inside the boundary",
+                cloud.position[i].as_slice()
+            ),
+        }),
+    }
+}
+
+fn check_distinct<const D: usize>(path: &str, cloud: &Cloud<D>) -> Result<(), ModelError> {
+    let mut order: Vec<usize> = (0..cloud.len()).collect();
+    let key = |i: usize| cloud.position[i].iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    order.sort_by_cached_key(|&i| key(i));
+    match order.windows(2).find(|pair| cloud.position[pair[0]] == cloud.position[pair[1]]) {
+        None => Ok(()),
+        Some(pair) => Err(ModelError::Points {
+            path: path.to_owned(),
+            message: format!(
+                "points {} and {} are both at {:?}; remove one",
+                pair[0].min(pair[1]),
+                pair[0].max(pair[1]),
+                cloud.position[pair[0]].as_slice()
+            ),
+        }),
+    }
+}

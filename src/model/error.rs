@@ -1,0 +1,80 @@
+//! What can be wrong with a plan once its points are known.
+
+use crate::assembly::{ConsistencyError, PatternError};
+use crate::effects::EffectError;
+use crate::geometry::{GenerateError, GeometryError};
+
+/// A plan that cannot become a model.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// No effect is named.
+    #[error("the scene names no effect; add [flow]")]
+    NothingToDo,
+    /// The cloud could not be generated.
+    #[error(transparent)]
+    Generate(#[from] GenerateError),
+    /// Points that cannot be used.
+    #[error("{path}: {message}")]
+    Points {
+        /// The file.
+        path: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// Families could not be built.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// A material's region holds no point.
+    #[error("the region of material \"{material}\" holds no point; enlarge it or refine the cloud")]
+    EmptyRegion {
+        /// Name of the material.
+        material: String,
+    },
+    /// A region with prescribed pressure holds no point.
+    #[error(
+        "flow.regions #{number} holds no point; enlarge it or refine the cloud"
+    )]
+    EmptyPressureRegion {
+        /// Which region, from 1.
+        number: usize,
+    },
+    /// Points without a material.
+    #[error(
+        "{count} points have no material, the first at {position:?}; add a material without a \
+         region as the background"
+    )]
+    NoMaterial {
+        /// How many.
+        count: usize,
+        /// Position of the first, m.
+        position: Vec<f64>,
+    },
+    /// A point file names a material that the scene does not define.
+    #[error("the points file names the material \"{name}\", which the scene does not define")]
+    UnknownMaterial {
+        /// The name.
+        name: String,
+    },
+    /// A permeability file of another length than the cloud.
+    #[error(
+        "{path}: {found} permeabilities for {points} points; the file needs one value per point, in \
+         the order of the cloud (x fastest on a lattice)"
+    )]
+    TableLength {
+        /// The file.
+        path: String,
+        /// Values found.
+        found: usize,
+        /// Points of the cloud.
+        points: usize,
+    },
+    /// An effect does not fit.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// The gradient could not be corrected.
+    #[error(transparent)]
+    Consistency(#[from] ConsistencyError),
+    /// The matrix is too large.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+}

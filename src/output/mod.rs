@@ -1,0 +1,23 @@
+//! Files a run leaves behind: fields (VTU, PVD), histories (CSV), summaries (JSON) and plots
+//! (PNG, SVG).
+//!
+//! Every writer takes plain slices and knows nothing of the model. Whole files are written
+//! atomically ([`write_atomically`]): a reader sees the old file or the new one, never half of one.
+//! Histories grow line by line and are flushed after each line, so that a killed run leaves whole
+//! lines. Nothing here depends on the clock or on threads: the same input gives the same bytes.
+
+mod atomic;
+mod error;
+mod history;
+pub mod plots;
+mod pvd;
+mod summary;
+mod vtu;
+
+pub use atomic::write_atomically;
+pub use error::OutputError;
+pub use history::{History, Table};
+pub use plots::{FieldPlot, LinePlot, LineStyle, Scale, Series, field_png, lines_svg};
+pub use pvd::Pvd;
+pub use summary::write_json;
+pub use vtu::{Field, VtuData, write_vtu};

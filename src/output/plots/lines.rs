@@ -1,0 +1,263 @@
+//! Curves over a common axis, as SVG drawings.
+
+use std::path::Path;
+
+use plotters_backend::DrawingBackend;
+use plotters_svg::SVGBackend;
+
+use super::axes::{Axes, Frame, widest};
+use super::canvas::{Anchor, Canvas, DIM, SVG_UNITS, Text, WHITE};
+use super::curves::{Curve, Shown, curves, dense, draw_curve, drawable, pairs, shown_x, shown_y};
+use super::font::wrap;
+use super::legend::{Legend, Look};
+use super::{Drawn, Place};
+use crate::output::{OutputError, write_atomically};
+
+/// Size of the drawing without title, notes and outer legend, px.
+const WIDTH: f64 = 900.0;
+const FRAME_HEIGHT: f64 = 430.0;
+
+/// Font size of the numbers, px.
+const SIZE: f64 = 15.0;
+
+/// How a series is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LineStyle {
+    /// A solid curve.
+    #[default]
+    Line,
+    /// A dashed curve, for instance an exact solution.
+    Dashed,
+    /// One mark per value, for instance measurements.
+    Markers,
+}
+
+/// One set of values over a coordinate.
+#[derive(Debug, Clone, Copy)]
+pub struct Series<'a> {
+    /// Name in the legend; empty for none.
+    pub label: &'a str,
+    /// Coordinates, in the unit of the axis label.
+    pub x: &'a [f64],
+    /// Values, as many as `x`; those that are not finite are gaps.
+    pub y: &'a [f64],
+    /// How the series is drawn.
+    pub style: LineStyle,
+}
+
+/// Curves over a common axis.
+///
+/// Labels may end in a unit in brackets, such as `time [s]` or `pressure [Pa]`; the numbers of linear
+/// axes are then shown in a handy multiple of it.
+#[derive(Debug, Clone, Copy)]
+pub struct LinePlot<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Label of the horizontal axis, with the unit in brackets.
+    pub x_label: &'a str,
+    /// Label of the vertical axis, with the unit in brackets.
+    pub y_label: &'a str,
+    /// Logarithmic horizontal axis; values that are not positive become gaps.
+    pub x_log: bool,
+    /// Logarithmic vertical axis; values that are not positive become gaps.
+    pub y_log: bool,
+    /// The curves, from back to front.
+    pub series: &'a [Series<'a>],
+    /// A remark below the plot.
+    pub note: Option<&'a str>,
+}
+
+/// Draws curves with axes and legend as an SVG drawing, written atomically.
+///
+/// # Errors
+/// [`OutputError::Shape`] if a series has different numbers of `x` and `y`,
+/// [`OutputError::Drawing`] if the drawing fails, else those of [`write_atomically`].
+pub fn lines_svg(path: impl AsRef<Path>, plot: &LinePlot<'_>) -> Result<(), OutputError> {
+    let path = path.as_ref();
+    for series in plot.series {
+        let what = format!("y of the series {:?}", series.label);
+        OutputError::check_length(path, &what, series.x.len(), series.y.len())?;
+    }
+    let text = draw(plot).map_err(|reason| OutputError::Drawing {
+        path: path.to_path_buf(),
+        reason,
+    })?;
+    write_atomically(path, |writer| writer.write_all(text.as_bytes()))
+}
+
+/// Where the parts of the drawing go, in pixels.
+struct Layout {
+    title: Vec<String>,
+    notes: Vec<String>,
+    frame: Frame,
+    y_label_at: f64,
+    legend: Place,
+    notes_top: f64,
+    height: f64,
+}
+
+fn looks(plot: &LinePlot<'_>) -> Vec<Look> {
+    let solid = plot
+        .series
+        .iter()
+        .filter(|s| s.style == LineStyle::Line)
+        .count();
+    let look = |(index, series): (usize, &Series<'_>)| {
+        let marked = solid > 1 && series.style == LineStyle::Line;
+        Look {
+            index,
+            style: series.style,
+            marked,
+        }
+    };
+    plot.series.iter().enumerate().map(look).collect()
+}
+
+fn draw(plot: &LinePlot<'_>) -> Drawn<String> {
+    let (x, y, looks) = (shown_x(plot), shown_y(plot), looks(plot));
+    let labels = plot
+        .series
+        .iter()
+        .map(|s| s.label)
+        .zip(looks.iter().copied())
+        .collect();
+    let legend = Legend::new(labels, SIZE)?;
+    let layout = arrange(plot, &legend, &y, |frame| {
+        curves(plot, &looks, frame, &x, &y)
+    })?;
+    let frame = layout.frame;
+    let curves = curves(plot, &looks, &frame, &x, &y);
+    render(plot.title, (WIDTH, layout.height), |canvas| {
+        texts(canvas, &layout)?;
+        let axes = Axes {
+            frame,
+            x: x.axis,
+            y: y.axis,
+            x_label: &x.label,
+            y_label: &y.label,
+            size: SIZE,
+            y_label_at: layout.y_label_at,
+            grid: true,
+        };
+        axes.draw(canvas)?;
+        frame.outline(canvas, 1.0)?;
+        curves
+            .iter()
+            .try_for_each(|curve| draw_curve(canvas, curve, curves.len()))?;
+        if legend.is_empty() {
+            Ok(())
+        } else {
+            legend.draw(canvas, layout.legend)
+        }
+    })
+}
+
+/// Finds places for everything; the legend goes into a free corner, else beside the frame, else
+/// below it.
+fn arrange(
+    plot: &LinePlot<'_>,
+    legend: &Legend<'_>,
+    y: &Shown,
+    curves_in: impl Fn(&Frame) -> Vec<Curve>,
+) -> Drawn<Layout> {
+    let title = wrap(plot.title, 1.3 * SIZE, true, WIDTH - 2.0 * SIZE)?;
+    let top = SIZE * (1.4 + 1.9 * title.len() as f64);
+    let numbers = widest(&y.axis.ticks_up(FRAME_HEIGHT, SIZE), SIZE)?;
+    let left = (4.3 * SIZE + numbers).round();
+    let mut frame = Frame {
+        left,
+        top,
+        width: WIDTH - left - 2.0 * SIZE,
+        height: FRAME_HEIGHT,
+    };
+    let mut below = frame.bottom() + 4.0 * SIZE;
+    let mut place = (left, below);
+    if let Some(corner) = legend.free_corner(&frame, &dense(&curves_in(&frame))) {
+        place = corner;
+    } else if legend.width < 0.4 * WIDTH && legend.height < FRAME_HEIGHT {
+        frame.width -= legend.width + SIZE;
+        place = (frame.right() + SIZE, frame.top);
+    } else if !legend.is_empty() {
+        below += legend.height + SIZE;
+    }
+    let mut notes = Vec::new();
+    for note in remarks(plot) {
+        notes.extend(wrap(&note, SIZE, false, WIDTH - 2.0 * SIZE)?);
+    }
+    let height = (below + 1.5 * SIZE * notes.len() as f64 + 0.3 * SIZE).ceil();
+    let (y_label_at, notes_top) = (left - 2.0 * SIZE - numbers, below + 0.5 * SIZE);
+    Ok(Layout {
+        title,
+        notes,
+        frame,
+        y_label_at,
+        legend: place,
+        notes_top,
+        height,
+    })
+}
+
+fn remarks(plot: &LinePlot<'_>) -> Vec<String> {
+    let mut remarks: Vec<String> = plot.note.into_iter().map(str::to_owned).collect();
+    if pairs(plot).next().is_none() {
+        remarks.push("no values to draw".to_owned());
+    }
+    let all = plot.series.iter().flat_map(|s| s.x.iter().zip(s.y));
+    let hidden = all.filter(|&(&x, &y)| x.is_finite() && y.is_finite() && !drawable(plot, x, y));
+    match hidden.count() {
+        0 => {}
+        1 => remarks.push("1 value ≤ 0 has no place on the logarithmic axis".to_owned()),
+        n => remarks.push(format!(
+            "{n} values ≤ 0 have no place on the logarithmic axis"
+        )),
+    }
+    remarks
+}
+
+fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, layout: &Layout) -> Drawn<()> {
+    let bold = Text {
+        bold: true,
+        ..Text::new(1.3 * SIZE, Anchor::Left)
+    };
+    for (index, line) in layout.title.iter().enumerate() {
+        canvas.text(line, (SIZE, SIZE * (1.75 + 1.9 * index as f64)), bold)?;
+    }
+    let dim = Text {
+        colour: DIM,
+        ..Text::new(SIZE, Anchor::Left)
+    };
+    for (index, line) in layout.notes.iter().enumerate() {
+        canvas.text(
+            line,
+            (SIZE, layout.notes_top + 1.5 * SIZE * index as f64),
+            dim,
+        )?;
+    }
+    Ok(())
+}
+
+/// Draws in fine units and gives the drawing its size in pixels.
+fn render(
+    title: &str,
+    (width, height): (f64, f64),
+    paint: impl FnOnce(&mut Canvas<SVGBackend<'_>>) -> Drawn<()>,
+) -> Drawn<String> {
+    let fine = ((width as u32) * SVG_UNITS, (height as u32) * SVG_UNITS);
+    let mut body = String::new();
+    let mut canvas = Canvas::vector(SVGBackend::with_string(&mut body, fine));
+    canvas.rectangle((0.0, 0.0), (width, height), WHITE)?;
+    paint(&mut canvas)?;
+    canvas.finish()?;
+    let (_, content) = body.split_once('\n').ok_or("the drawing is empty")?;
+    let title = crate::output::vtu::escape(title);
+    Ok(format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
+         stroke-linejoin=\"round\" xmlns=\"http://www.w3.org/2000/svg\">\n\
+         <title>{title}</title>\n{content}",
+        fine.0, fine.1
+    ))
+}
+
+#[cfg(test)]
+#[path = "lines_tests.rs"]
+mod tests;

@@ -1,0 +1,29 @@
+//! Plots: fields as PNG pictures ([`field_png`]), curves as SVG drawings ([`lines_svg`]).
+//!
+//! Both draw through the backends of plotters. Text in pictures is set in `DejaVu Sans`, which is
+//! embedded (Bitstream Vera licence, changes in the public domain); drawings ask the viewer for it or
+//! for another sans-serif. Colour maps are safe for colour-blind readers: viridis, red–white–blue for
+//! signed values, and the palette of Okabe and Ito for curves.
+
+mod axes;
+mod canvas;
+mod colours;
+mod curves;
+mod decimate;
+mod field;
+mod font;
+mod layout;
+mod legend;
+mod lines;
+mod raster;
+mod ticks;
+mod units;
+
+pub use field::{FieldPlot, Scale, field_png};
+pub use lines::{LinePlot, LineStyle, Series, lines_svg};
+
+/// Result of a drawing step; the text is the reason for [`super::OutputError::Drawing`].
+type Drawn<T> = Result<T, String>;
+
+/// A place on the picture in pixels, x to the right and y downwards.
+type Place = (f64, f64);

@@ -1,0 +1,129 @@
+//! Point clouds and permeabilities from files: `.csv`, `.vtu` and `.npy`.
+//!
+//! Every reader takes the whole file into memory, checks every value, and reports the first fault
+//! with its place, so that a damaged file never becomes a damaged simulation.
+
+mod columns;
+mod csv;
+mod error;
+mod npy;
+mod values;
+mod vtu;
+
+use std::io;
+use std::path::Path;
+
+pub use error::{FileError, Place, ValueFault};
+
+/// Points read from a file, in SI units.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PointTable {
+    /// Space dimension, 2 or 3.
+    pub dimension: usize,
+    /// Coordinates point by point, m. Shape `(points · dimension,)`.
+    pub position: Vec<f64>,
+    /// Volume of each point, m³, or area in the plane, m². Positive. Shape `(points,)`.
+    pub volume: Vec<f64>,
+    /// Name of the material at each point, if the file gives it. Shape `(points,)`.
+    pub material: Option<Vec<String>>,
+    /// Permeability at each point, m², if the file gives it. Positive. Shape `(points,)`.
+    pub permeability: Option<Vec<f64>>,
+}
+
+/// Reads points from a `.csv` or `.vtu` file.
+///
+/// CSV: a header line with `x`, `y`, `volume` and optionally `z` (which makes the points
+/// three-dimensional), `material` and `permeability`, in any order; other columns are ignored. A
+/// name may carry its SI unit, as in `x_m`, `volume_m2`, `volume_m3` and `permeability_m2`. Blank
+/// lines and lines that start with `#` are skipped.
+///
+/// VTU: an unstructured grid with the point data `volume` and optionally `permeability`, stored as
+/// text, base64 or raw bytes, plain or compressed with zlib. The points are two-dimensional if all
+/// z are equal to within 1e-12 of the largest extent. Cells are ignored; pieces are joined.
+///
+/// # Errors
+/// [`FileError`] for a file that cannot be read, has another format, lacks a column, or holds a
+/// position that is not finite or a volume or permeability that is not positive.
+pub fn read_points(path: &Path) -> Result<PointTable, FileError> {
+    match extension(path)?.as_str() {
+        "csv" => csv::read_points(path, &read_bytes(path)?),
+        "vtu" => vtu::read_points(path, &read_bytes(path)?),
+        other => Err(wrong_extension(path, other, "`.csv` and `.vtu`")),
+    }
+}
+
+/// Reads permeabilities, m², from an `.npy` or `.csv` file.
+///
+/// NPY: an array of floats (4 or 8 bytes) or integers of any shape, flattened in C order (last
+/// index fastest), however it is stored. CSV: the only column, or the one named `column` (whose
+/// unit suffix `_m2` may be left out).
+///
+/// # Errors
+/// [`FileError`] for a file that cannot be read, has another format, lacks the column, or holds a
+/// value that is not finite and positive.
+pub fn read_permeability(path: &Path, column: Option<&str>) -> Result<Vec<f64>, FileError> {
+    match extension(path)?.as_str() {
+        "csv" => csv::read_permeability(path, &read_bytes(path)?, column),
+        "npy" => match column {
+            None => npy::read_permeability(path, &read_bytes(path)?),
+            Some(column) => Err(FileError::ColumnInArray {
+                path: path.to_path_buf(),
+                column: column.to_owned(),
+            }),
+        },
+        other => Err(wrong_extension(path, other, "`.npy` and `.csv`")),
+    }
+}
+
+/// Directories are refused first: a missing extension is not what is wrong with them.
+fn extension(path: &Path) -> Result<String, FileError> {
+    if path.is_dir() {
+        return Err(FileError::IsDirectory {
+            path: path.to_path_buf(),
+        });
+    }
+    Ok(path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase())
+}
+
+fn wrong_extension(path: &Path, found: &str, known: &'static str) -> FileError {
+    let found = if found.is_empty() {
+        "no extension".to_owned()
+    } else {
+        format!("`.{found}`")
+    };
+    FileError::Extension {
+        path: path.to_path_buf(),
+        found,
+        known,
+    }
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    std::fs::read(path).map_err(|source| {
+        let path = path.to_path_buf();
+        match source.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => FileError::NotFound { path },
+            io::ErrorKind::IsADirectory => FileError::IsDirectory { path },
+            io::ErrorKind::PermissionDenied => FileError::NotReadable { path, source },
+            _ => FileError::Io { path, source },
+        }
+    })
+}
+
+/// The bytes as text, or the line where they stop being UTF-8.
+fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, FileError> {
+    std::str::from_utf8(bytes).map_err(|error| FileError::NotUtf8 {
+        path: path.to_path_buf(),
+        line: 1 + bytes[..error.valid_up_to()]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count(),
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,131 @@
+use std::path::PathBuf;
+
+use proptest::prelude::*;
+
+use super::*;
+
+fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    (directory, path)
+}
+
+#[test]
+fn the_format_is_known_by_the_extension_in_any_case() {
+    let (_directory, path) = written("points.CSV", b"x,y,volume\n1,2,3\n");
+    assert_eq!(read_points(&path).unwrap().position, [1.0, 2.0]);
+    assert_eq!(read_permeability(&path, Some("volume")).unwrap(), [3.0]);
+    for (name, known) in [("a.txt", "`.csv` and `.vtu`"), ("a", "no extension")] {
+        let message = read_points(Path::new(name)).unwrap_err().to_string();
+        assert!(message.contains(known), "{message}");
+    }
+    let message = read_permeability(Path::new("a.vtu"), None)
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("`.npy` and `.csv`"), "{message}");
+}
+
+#[test]
+fn missing_files_and_directories_are_told_apart() {
+    let directory = tempfile::tempdir().unwrap();
+    let error = read_points(&directory.path().join("none.csv")).unwrap_err();
+    assert!(matches!(error, FileError::NotFound { .. }), "{error}");
+    let folder = directory.path().join("folder.npy");
+    std::fs::create_dir(&folder).unwrap();
+    let error = read_permeability(&folder, None).unwrap_err();
+    assert!(matches!(error, FileError::IsDirectory { .. }), "{error}");
+    let error = read_permeability(&folder.join("a.npy"), None).unwrap_err();
+    assert!(matches!(error, FileError::NotFound { .. }), "{error}");
+}
+
+#[test]
+fn an_array_file_has_no_columns() {
+    let error = read_permeability(Path::new("k.npy"), Some("k")).unwrap_err();
+    assert!(matches!(error, FileError::ColumnInArray { .. }), "{error}");
+}
+
+/// Whatever a reader makes of a damaged file, what it returns must be usable.
+fn usable(table: &PointTable) -> bool {
+    let points = table.volume.len();
+    let positive = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v > 0.0);
+    points > 0
+        && table.position.len() == points * table.dimension
+        && table.position.iter().all(|x| x.is_finite())
+        && positive(&table.volume)
+        && table
+            .permeability
+            .as_ref()
+            .is_none_or(|k| k.len() == points && positive(k))
+        && table
+            .material
+            .as_ref()
+            .is_none_or(|names| names.len() == points)
+}
+
+/// Some bytes of a file replaced, then its end cut off.
+fn damage(file: &[u8], changes: &[(prop::sample::Index, u8)], end: usize) -> Vec<u8> {
+    let mut bytes = file.to_vec();
+    for (index, byte) in changes {
+        let place = index.index(bytes.len());
+        bytes[place] = *byte;
+    }
+    bytes.truncate(end.max(1).min(bytes.len()));
+    bytes
+}
+
+fn changes() -> impl Strategy<Value = Vec<(prop::sample::Index, u8)>> {
+    let byte = prop_oneof![
+        any::<u8>(),
+        prop::sample::select(b"0189<>\"'([{=_#,-\n".to_vec())
+    ];
+    prop::collection::vec((any::<prop::sample::Index>(), byte), 0..6)
+}
+
+fn cut() -> impl Strategy<Value = usize> {
+    prop_oneof![3 => Just(usize::MAX), 1 => 0_usize..4000]
+}
+
+const CSV: &[u8] = b"# a\nx_m, y, z,volume_m3,material,permeability\n0,0,1,2,\"a b\",1e-15\n\n\
+                     1.5,0,2,2,c,3e-15\n";
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn damaged_csv_gives_an_error_or_sound_points(changes in changes(), end in cut()) {
+        let bytes = damage(CSV, &changes, end);
+        if let Ok(table) = csv::read_points(Path::new("a.csv"), &bytes) {
+            prop_assert!(usable(&table));
+        }
+        let _ = csv::read_permeability(Path::new("a.csv"), &bytes, Some("permeability"));
+    }
+
+    #[test]
+    fn damaged_vtu_gives_an_error_or_sound_points(
+        file in prop::sample::select(vtu::tests::files()),
+        changes in changes(),
+        end in cut(),
+    ) {
+        let bytes = damage(&file, &changes, end);
+        if let Ok(table) = vtu::read_points(Path::new("a.vtu"), &bytes) {
+            prop_assert!(usable(&table));
+        }
+    }
+
+    #[test]
+    fn damaged_npy_gives_an_error_or_sound_values(changes in changes(), end in cut()) {
+        let file = npy::tests::npy("'<f8'", true, "(2, 3)", &[1_f64; 6].map(f64::to_le_bytes).concat());
+        let bytes = damage(&file, &changes, end);
+        if let Ok(values) = npy::read_permeability(Path::new("a.npy"), &bytes) {
+            prop_assert!(!values.is_empty() && values.iter().all(|k| k.is_finite() && *k > 0.0));
+        }
+    }
+
+    #[test]
+    fn cut_off_csv_never_adds_points(end in 0_usize..CSV.len()) {
+        if let Ok(table) = csv::read_points(Path::new("a.csv"), &CSV[..end]) {
+            prop_assert!(usable(&table) && table.volume.len() <= 2);
+        }
+    }
+}

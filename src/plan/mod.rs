@@ -1,0 +1,17 @@
+//! The plan: a scene resolved to SI units and active effects. Nothing downstream reads the scene.
+
+mod exact;
+mod files;
+mod resolve;
+mod types;
+
+pub use crate::load::Load;
+pub use exact::{exact_flux, exact_pressure, manufactured};
+pub use files::{FileError, PointTable};
+pub use resolve::resolve;
+pub use types::{
+    FlowPlan, FluidPlan, GeometryPlan, GradientChoice, GravityPlan, Integrator, MaterialPlan,
+    OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile, ReferenceKind,
+    ReferencePlan, RegionPressure, SchemeChoice, SideCondition, StepRule, TimeMode, TimePlan,
+    WellPlan,
+};

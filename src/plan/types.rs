@@ -1,0 +1,380 @@
+//! What a plan holds. Everything is in SI units; a missing option means the effect does not exist.
+
+use perifrac_solvers::SolverSpec;
+use serde::Serialize;
+
+use crate::geometry::generate::{Refinement, Segment};
+use crate::geometry::{Horizon, Influence, Shape};
+use super::files::PointTable;
+use super::Load;
+
+/// A scene resolved to what will be computed.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Name of the case: the bundled name or the file's.
+    pub case: String,
+    /// Title from the scene.
+    pub title: String,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// How the cloud is made.
+    pub geometry: GeometryPlan,
+    /// How far points see.
+    pub horizon: Horizon,
+    /// How neighbours are weighed.
+    pub influence: Influence,
+    /// Materials; later ones replace earlier ones where their regions overlap.
+    pub materials: Vec<MaterialPlan>,
+    /// The pore fluid.
+    pub fluid: FluidPlan,
+    /// Flow, if the scene names it.
+    pub flow: Option<FlowPlan>,
+    /// Gravity, if the scene names it.
+    pub gravity: Option<GravityPlan>,
+    /// Wells, in the scene's order.
+    pub wells: Vec<WellPlan>,
+    /// Time.
+    pub time: TimePlan,
+    /// Time scheme.
+    pub scheme: SchemeChoice,
+    /// Linear solver.
+    pub solver: SolverSpec,
+    /// What to write.
+    pub output: OutputPlan,
+    /// Exact solution to compare with, if any.
+    pub reference: Option<ReferencePlan>,
+    /// Things the user should know before the run.
+    pub warnings: Vec<String>,
+}
+
+/// How the cloud is made.
+#[derive(Debug, Clone)]
+pub enum GeometryPlan {
+    /// Regular lattice.
+    Lattice {
+        /// Smallest corner, m.
+        origin: Vec<f64>,
+        /// Edges, m.
+        size: Vec<f64>,
+        /// Cells per axis.
+        cells: Vec<usize>,
+        /// Largest displacement of a point, in cells.
+        jitter: f64,
+        /// Seed of the displacements.
+        seed: u64,
+    },
+    /// Tensor grading.
+    Graded {
+        /// Smallest corner, m.
+        origin: Vec<f64>,
+        /// Segments per axis.
+        axes: Vec<Vec<Segment>>,
+    },
+    /// 2:1 blocks.
+    Blocks {
+        /// Smallest corner, m.
+        origin: Vec<f64>,
+        /// Edges, m.
+        size: Vec<f64>,
+        /// Coarsest spacing, m.
+        spacing: f64,
+        /// Where to refine.
+        refinements: Vec<Refinement>,
+    },
+    /// Points from a file.
+    Points {
+        /// The file, for messages.
+        path: String,
+        /// What it held.
+        table: PointTable,
+        /// Boundary planes, if given: smallest and largest corner, m.
+        bounds: Option<(Vec<f64>, Vec<f64>)>,
+    },
+}
+
+/// A material and where it is.
+#[derive(Debug, Clone)]
+pub struct MaterialPlan {
+    /// Name in the scene.
+    pub name: String,
+    /// Region; `None` for the background.
+    pub region: Option<Shape>,
+    /// Permeability.
+    pub permeability: PermeabilityPlan,
+    /// Storage coefficient s in 1/Pa, given or from Eq. 38.
+    pub storage: f64,
+}
+
+/// Where a permeability comes from.
+#[derive(Debug, Clone)]
+pub enum PermeabilityPlan {
+    /// One value, m².
+    Uniform(f64),
+    /// One value per point of the cloud, m², from a file.
+    Table {
+        /// The file, for messages.
+        path: String,
+        /// Values, m².
+        values: Vec<f64>,
+    },
+    /// Log-normal field.
+    LogNormal {
+        /// Median, m².
+        median: f64,
+        /// Standard deviation of the decimal logarithm.
+        log10_std: f64,
+        /// Total range in decades, to which values are clipped; infinite for none.
+        decades: f64,
+        /// Correlation length, m; `None` for independent points.
+        correlation_length: Option<f64>,
+        /// Seed.
+        seed: u64,
+    },
+}
+
+/// The pore fluid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FluidPlan {
+    /// Dynamic viscosity μ_f, Pa s.
+    pub viscosity: f64,
+    /// Density ρ_f, kg/m³.
+    pub density: f64,
+}
+
+/// Flow of a single fluid.
+#[derive(Debug, Clone)]
+pub struct FlowPlan {
+    /// Diffusion operator.
+    pub operator: OperatorChoice,
+    /// Hourglass coefficient c.
+    pub hourglass: f64,
+    /// Which gradient the operator uses.
+    pub gradient: GradientChoice,
+    /// Pressure at the start, Pa.
+    pub initial_pressure: f64,
+    /// Whether the weight of the fluid is added to the initial pressure.
+    pub hydrostatic_start: bool,
+    /// Condition per side, in the order of the sides' numbers.
+    pub sides: Vec<SideCondition>,
+    /// Prescribed pressures on regions.
+    pub regions: Vec<RegionPressure>,
+}
+
+impl FlowPlan {
+    /// Whether the gradient is made divergence-consistent on a cloud that is irregular or not and
+    /// has planes or not.
+    pub fn corrects_gradient(&self, irregular: bool, planes: bool) -> bool {
+        match self.gradient {
+            GradientChoice::Plain => false,
+            GradientChoice::DivergenceConsistent => true,
+            GradientChoice::Auto => irregular && planes,
+        }
+    }
+}
+
+/// Diffusion operators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OperatorChoice {
+    /// Mobility of the point, gradient and hourglass term.
+    Correspondence,
+    /// Harmonic mean per bond.
+    Bond,
+}
+
+/// Gradients of the correspondence operator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GradientChoice {
+    /// Divergence-consistent where the spacing varies and planes are known, plain elsewhere.
+    Auto,
+    /// Eq. 57.
+    Plain,
+    /// With column sums corrected.
+    DivergenceConsistent,
+}
+
+/// Flow condition on a side.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SideCondition {
+    /// No flux.
+    Sealed,
+    /// Prescribed pressure, Pa.
+    Pressure {
+        /// Value, at the highest point of the side where it is hydrostatic.
+        value: Load,
+        /// Whether it grows downwards with the weight of the fluid.
+        hydrostatic: bool,
+    },
+    /// Prescribed flux into the domain, m/s.
+    Flux(Load),
+}
+
+/// Prescribed pressure on all points of a region.
+#[derive(Debug, Clone)]
+pub struct RegionPressure {
+    /// Where.
+    pub region: Shape,
+    /// Pressure, Pa.
+    pub pressure: Load,
+}
+
+/// Gravity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GravityPlan {
+    /// Acceleration, m/s².
+    pub acceleration: Vec<f64>,
+}
+
+/// A well (Eqs. 77 and 78).
+#[derive(Debug, Clone)]
+pub struct WellPlan {
+    /// Name in the scene.
+    pub name: String,
+    /// Position, m.
+    pub at: Vec<f64>,
+    /// Full-plane injection rate, m³/s (per metre of thickness in 2-D).
+    pub rate: Load,
+    /// Radius λ, m; `None` for Eq. 77.
+    pub radius: Option<f64>,
+}
+
+/// Time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimePlan {
+    /// Transient or steady.
+    pub mode: TimeMode,
+    /// End, s; 0 in steady mode.
+    pub end: f64,
+    /// How steps are chosen.
+    pub step: StepRule,
+    /// Accepted error of a step relative to the range of the pressure.
+    pub tolerance: f64,
+    /// First adaptive step, s.
+    pub first_step: Option<f64>,
+    /// Largest step, s.
+    pub max_step: Option<f64>,
+    /// Share of the stability limit that explicit steps use.
+    pub safety: f64,
+    /// Largest number of steps.
+    pub max_steps: usize,
+}
+
+/// Transient or steady.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TimeMode {
+    /// Steps in time.
+    Transient,
+    /// One solve.
+    Steady,
+}
+
+/// How steps are chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepRule {
+    /// Constant, s.
+    Fixed(f64),
+    /// From the error estimate (implicit) or the stability limit (explicit).
+    Adaptive,
+}
+
+/// Time scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SchemeChoice {
+    /// Forward Euler.
+    Explicit,
+    /// Implicit, with the given integrator.
+    Implicit(Integrator),
+}
+
+impl SchemeChoice {
+    /// Name as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            SchemeChoice::Explicit => "explicit",
+            SchemeChoice::Implicit(_) => "implicit",
+        }
+    }
+}
+
+/// Implicit integrators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// Backward Euler.
+    BackwardEuler,
+    /// Trapezoidal rule and second backward difference.
+    TrBdf2,
+}
+
+impl Integrator {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Integrator::BackwardEuler => "backward-euler",
+            Integrator::TrBdf2 => "tr-bdf2",
+        }
+    }
+}
+
+/// What to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputPlan {
+    /// Times of field output, s, increasing; the end is always one of them.
+    pub times: Vec<f64>,
+    /// Whether VTU files are written.
+    pub vtu: bool,
+    /// Whether pictures are drawn.
+    pub plots: bool,
+    /// Points whose history is kept.
+    pub probes: Vec<Probe>,
+    /// Lines along which profiles are drawn.
+    pub profiles: Vec<Profile>,
+}
+
+/// A point whose history is kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Name in the scene.
+    pub name: String,
+    /// Position, m.
+    pub at: Vec<f64>,
+}
+
+/// A line along which the fields are drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Name in the scene.
+    pub name: String,
+    /// Start, m.
+    pub from: Vec<f64>,
+    /// End, m.
+    pub to: Vec<f64>,
+    /// Number of places.
+    pub points: usize,
+}
+
+/// Exact solutions a scene may name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReferencePlan {
+    /// Which.
+    pub kind: ReferenceKind,
+    /// Radius around wells left out of the error norms, m; `None` for the solution's own.
+    pub exclude: Option<f64>,
+}
+
+/// Names of exact solutions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReferenceKind {
+    /// Confined five-spot.
+    FiveSpot,
+    /// Two layers in series.
+    TwoLayer,
+    /// Line source in the unbounded plane.
+    Theis,
+    /// Manufactured solution; it also supplies the source.
+    Manufactured,
+}

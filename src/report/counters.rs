@@ -1,0 +1,34 @@
+//! How much work was done: the effort that tests assert and studies compare.
+
+use std::collections::BTreeMap;
+
+use perifrac_solvers::SolverCounters;
+use serde::Serialize;
+
+/// Effort of a run. Names of effects and fields that the scene does not call for are absent.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Counters {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Products with an assembled operator.
+    pub operator_products: u64,
+    /// Times the coefficient matrix was filled.
+    pub refills: u64,
+    /// What the linear solver did.
+    pub solver: SolverCounters,
+    /// Evaluations per effect.
+    pub evaluations: BTreeMap<&'static str, u64>,
+    /// Bytes per field of the state.
+    pub field_bytes: BTreeMap<&'static str, usize>,
+    /// Bytes of everything else, by what holds them.
+    pub bytes: BTreeMap<&'static str, usize>,
+}
+
+impl Counters {
+    /// Evaluations of an effect; zero for one that does not exist in the run.
+    pub fn evaluations(&self, effect: &str) -> u64 {
+        self.evaluations.get(effect).copied().unwrap_or(0)
+    }
+}

@@ -1,0 +1,50 @@
+//! How a run can fail.
+
+use crate::model::ModelError;
+use crate::output::OutputError;
+use crate::schemes::StepError;
+
+/// A run that did not reach its end.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The plan does not fit its points.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Output could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A step failed and could not be cut further.
+    #[error("{scheme}: {source}{}", kept(.last_output))]
+    Step {
+        /// The scheme.
+        scheme: String,
+        /// What failed.
+        #[source]
+        source: StepError,
+        /// Time of the last good output, s.
+        last_output: Option<f64>,
+    },
+    /// Too many steps.
+    #[error(
+        "stopped after {steps} steps at t = {time:.6e} s of {end:.6e} s; raise time.max_steps or \
+         choose larger steps"
+    )]
+    TooManySteps {
+        /// Steps taken.
+        steps: usize,
+        /// Time reached, s.
+        time: f64,
+        /// End, s.
+        end: f64,
+    },
+    /// The user stopped it.
+    #[error("interrupted at t = {time:.6e} s; what was written is complete")]
+    Interrupted {
+        /// Time reached, s.
+        time: f64,
+    },
+}
+
+fn kept(last_output: &Option<f64>) -> String {
+    last_output.map_or(String::new(), |time| format!("; the output at t = {time:.6e} s is kept"))
+}

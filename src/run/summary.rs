@@ -1,0 +1,91 @@
+//! What a run reports at its end; `--json` prints it and summary.json keeps it.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::reference::ErrorNorms;
+use crate::report::{Balance, Counters, Timers};
+use crate::schemes::StepLimit;
+
+/// Result of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// Name of the case.
+    pub case: String,
+    /// Version of the program.
+    pub version: &'static str,
+    /// Scheme with its integrator.
+    pub scheme: String,
+    /// Linear solver, if one was used.
+    pub solver: Option<String>,
+    /// Why this solver.
+    pub solver_reason: Option<String>,
+    /// Diffusion operator.
+    pub operator: &'static str,
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Points.
+    pub points: usize,
+    /// Unknowns of the linear system.
+    pub unknowns: usize,
+    /// Bonds, images included.
+    pub bonds: usize,
+    /// Nonzeros of the matrix.
+    pub nonzeros: usize,
+    /// Points whose families reach a second hop.
+    pub second_hops: usize,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Wall time of the run, s.
+    pub wall_s: f64,
+    /// Time reached, s.
+    pub t_end: f64,
+    /// Stability limit of an explicit scheme.
+    pub limit: Option<StepLimit>,
+    /// Errors per field, where an exact solution is named.
+    pub errors: BTreeMap<&'static str, FieldError>,
+    /// Rate of outflow per side at the end, m^D/s.
+    pub outflow: BTreeMap<&'static str, f64>,
+    /// Smallest and largest pressure at the end, Pa.
+    pub pressure_range: [f64; 2],
+    /// Mass balance.
+    pub balance: Balance,
+    /// What the divergence-consistent gradient achieved, if it was used.
+    pub consistency: Option<crate::assembly::Consistency>,
+    /// Effort.
+    pub counters: Counters,
+    /// Wall time per phase, s.
+    pub timers: Timers,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Error of a field against the exact solution.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FieldError {
+    /// Root mean square error relative to the range of the exact field.
+    pub l2: f64,
+    /// Largest error relative to the range of the exact field.
+    pub max: f64,
+    /// Range of the exact field over the compared points.
+    pub range: f64,
+    /// Points compared.
+    pub compared: usize,
+    /// Points left out, near wells.
+    pub excluded: usize,
+}
+
+impl From<ErrorNorms> for FieldError {
+    fn from(norms: ErrorNorms) -> Self {
+        FieldError {
+            l2: norms.l2_relative,
+            max: norms.max_relative,
+            range: norms.range,
+            compared: norms.compared,
+            excluded: norms.excluded,
+        }
+    }
+}

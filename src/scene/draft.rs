@@ -1,0 +1,147 @@
+//! The scene as typed, where every section may be absent, and what must be there nevertheless.
+//!
+//! A new section is one file in `sections/`, a field in [`Draft`] and in [`Scene`](super::Scene),
+//! and one line in [`Draft::check`] and [`Draft::finish`].
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::Scene;
+use super::diagnostics::Diagnostic;
+use super::sections::{
+    Flow, Fluid, Geometry, Gravity, Horizon, Material, Output, Reference, Scheme, Solver,
+    TimeControl, Well,
+};
+use super::span::{Named, Spanned};
+use super::validate::{Context, Report, Section};
+
+/// A perifrac scene. A bare number is in SI units; a text carries its unit, such as "10 mD".
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Scene")]
+pub(super) struct Draft {
+    /// Title, shown in reports and pictures.
+    #[schemars(required)]
+    pub title: Option<Spanned<String>>,
+    /// What the case shows, in a few sentences.
+    pub description: Option<String>,
+    /// The domain and its points.
+    #[schemars(required)]
+    pub geometry: Option<Spanned<Geometry>>,
+    /// How far a point sees.
+    pub horizon: Option<Spanned<Horizon>>,
+    /// What fills the pores.
+    pub fluid: Option<Spanned<Fluid>>,
+    /// What the rock is like, and where.
+    #[schemars(required)]
+    pub materials: Option<Spanned<Named<Material>>>,
+    /// A uniform field of gravity; acts if present.
+    pub gravity: Option<Spanned<Gravity>>,
+    /// Single-phase flow; acts if present.
+    pub flow: Option<Spanned<Flow>>,
+    /// Sources and sinks at points; act if present.
+    pub wells: Option<Spanned<Named<Well>>>,
+    /// How long, and in which steps.
+    #[schemars(required)]
+    pub time: Option<Spanned<TimeControl>>,
+    /// How the step is taken.
+    pub scheme: Option<Spanned<Scheme>>,
+    /// Who solves the linear systems.
+    pub solver: Option<Spanned<Solver>>,
+    /// What is written, and when.
+    pub output: Option<Spanned<Output>>,
+    /// An exact solution to compare with.
+    pub reference: Option<Spanned<Reference>>,
+}
+
+/// The sections of which a scene needs at least one.
+const EFFECTS: &[&str] = &["[flow]"];
+
+impl Draft {
+    /// Every rule of every section in which there is no fault yet.
+    pub fn check(&self, scene: &Context<'_>) -> Vec<Diagnostic> {
+        let mut report = Report::default();
+        self.check_presence(scene, &mut report);
+        check(&self.geometry, scene, &mut report);
+        check(&self.horizon, scene, &mut report);
+        check(&self.fluid, scene, &mut report);
+        check(&self.materials, scene, &mut report);
+        check(&self.gravity, scene, &mut report);
+        check(&self.flow, scene, &mut report);
+        check(&self.wells, scene, &mut report);
+        check(&self.time, scene, &mut report);
+        check(&self.scheme, scene, &mut report);
+        check(&self.solver, scene, &mut report);
+        check(&self.output, scene, &mut report);
+        check(&self.reference, scene, &mut report);
+        report.faults
+    }
+
+    fn check_presence(&self, scene: &Context<'_>, report: &mut Report) {
+        match &self.title {
+            Some(title) if title.trim().is_empty() => {
+                report.add(Diagnostic::new("`title` is empty").at(title.span));
+            }
+            None if !scene.faulty.contains("title") => {
+                let fault = Diagnostic::new("the scene has no `title`");
+                report.add(fault.help("begin the file with title = \"…\""));
+            }
+            _ => {}
+        }
+        let needed = [
+            (
+                scene.has(&self.geometry),
+                "[geometry]",
+                "type = \"lattice\", `size` and `points`",
+            ),
+            (
+                scene.has(&self.materials),
+                "[materials.NAME]",
+                "`permeability` and `storage`",
+            ),
+            (
+                scene.has(&self.time),
+                "[time]",
+                "end = \"1 h\", or mode = \"steady\"",
+            ),
+        ];
+        for (typed, section, content) in needed {
+            if !typed {
+                let fault = Diagnostic::new(format!("the scene has no {section}"));
+                report.add(fault.help(format!("add {section} with {content}")));
+            }
+        }
+        if !scene.has(&self.flow) {
+            let fault = Diagnostic::new("the scene names no effect, so nothing would happen");
+            report.add(fault.help(format!("add one of {}", EFFECTS.join(", "))));
+        }
+    }
+
+    /// The scene, if all that it needs is there.
+    pub fn finish(self) -> Option<Scene> {
+        Some(Scene {
+            title: self.title?.value,
+            description: self.description,
+            geometry: self.geometry?,
+            horizon: self.horizon.unwrap_or_default(),
+            fluid: self.fluid,
+            materials: self.materials?.value,
+            gravity: self.gravity,
+            flow: self.flow,
+            wells: self.wells.unwrap_or_default().value,
+            time: self.time?,
+            scheme: self.scheme.unwrap_or_default(),
+            solver: self.solver.unwrap_or_default(),
+            output: self.output.unwrap_or_default(),
+            reference: self.reference,
+        })
+    }
+}
+
+fn check<T: Section>(section: &Option<Spanned<T>>, scene: &Context<'_>, report: &mut Report) {
+    if let Some(Spanned { value, span }) = section
+        && !scene.faulty.contains(T::NAME)
+    {
+        value.check(*span, scene, report);
+    }
+}

@@ -1,0 +1,328 @@
+//! From a file, or from a text in memory, to a [`Scene`].
+
+use std::path::{Path, PathBuf};
+
+use super::diagnostics::{Diagnostic, SceneErrors};
+use super::draft::Draft;
+use super::sources::Sources;
+use super::tree::{self, Node};
+use super::validate::Context;
+use super::{Scene, overrides, recover};
+
+/// A scene, with what is needed to speak about it.
+#[derive(Debug, Clone)]
+pub struct LoadedScene {
+    /// The scene.
+    pub scene: Scene,
+    /// The texts its places refer to.
+    pub sources: Sources,
+    /// Folder that paths in the scene are relative to.
+    pub base_dir: PathBuf,
+    merged: Node,
+}
+
+impl LoadedScene {
+    /// The scene file with all `--set` values in it, as TOML: running it again gives the same run.
+    pub fn resolved_toml(&self) -> String {
+        // A tree that was read from TOML can always be written as TOML.
+        toml::to_string_pretty(&self.merged).unwrap_or_default()
+    }
+
+    /// A path of the scene, relative to where the scene file is.
+    pub fn path(&self, typed: &str) -> PathBuf {
+        self.base_dir.join(typed)
+    }
+
+    /// Errors about this scene that were found later on, such as while planning.
+    pub fn errors(&self, diagnostics: Vec<Diagnostic>) -> SceneErrors {
+        SceneErrors::new(diagnostics, self.sources.clone())
+    }
+}
+
+/// Loads a scene file and applies `--set` texts (`key.path=value`) in their order.
+///
+/// # Errors
+/// All faults at once: the file cannot be read, syntax, unknown keys, units, broken rules.
+pub fn load_file(path: &Path, overrides: &[String]) -> Result<LoadedScene, SceneErrors> {
+    let name = path.display().to_string();
+    let refuse = |message: String, help: &str| {
+        let fault = Diagnostic::new(message).help(help);
+        Err(SceneErrors::new(vec![fault], Sources::new(&name, "")))
+    };
+    if path.is_dir() {
+        let help = "name the scene file in it, such as scene.toml";
+        return refuse(format!("`{name}` is a folder, not a scene file"), help);
+    }
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            let help = "check the path and the permissions";
+            return refuse(
+                format!("cannot read the scene file `{name}`: {error}"),
+                help,
+            );
+        }
+    };
+    let base_dir = path.parent().unwrap_or_else(|| Path::new(""));
+    match String::from_utf8(bytes) {
+        Ok(text) => load_str(&name, &text, base_dir, overrides),
+        Err(error) => {
+            let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+            let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
+            let help = "save the file with the encoding UTF-8";
+            refuse(
+                format!("the scene file `{name}` is not UTF-8 text (line {line})"),
+                help,
+            )
+        }
+    }
+}
+
+/// Loads a scene from a text; `name` stands for it in messages, paths in it are relative to
+/// `base_dir`.
+///
+/// # Errors
+/// All faults at once: syntax, unknown keys, units, broken rules.
+pub fn load_str(
+    name: &str,
+    text: &str,
+    base_dir: &Path,
+    overrides: &[String],
+) -> Result<LoadedScene, SceneErrors> {
+    let mut sources = Sources::new(name, text);
+    let faults = match merge(text, overrides, &mut sources) {
+        Ok(merged) => match build(merged.clone()) {
+            Ok(scene) => {
+                return Ok(LoadedScene {
+                    scene,
+                    sources,
+                    base_dir: base_dir.to_owned(),
+                    merged,
+                });
+            }
+            Err(faults) => faults,
+        },
+        Err(faults) => faults,
+    };
+    Err(SceneErrors::new(faults, sources))
+}
+
+fn merge(text: &str, overrides: &[String], sources: &mut Sources) -> Result<Node, Vec<Diagnostic>> {
+    let blank = |line: &str| line.trim().is_empty() || line.trim().starts_with('#');
+    if text.trim_start_matches('\u{feff}').lines().all(blank) {
+        let fault = Diagnostic::new("the scene file is empty");
+        return Err(vec![
+            fault.help("start from a bundled case: perifrac cases --write NAME"),
+        ]);
+    }
+    let mut root = tree::parse(text, 0)?;
+    let faults = overrides::apply(&mut root, overrides, sources);
+    if faults.is_empty() {
+        Ok(root)
+    } else {
+        Err(faults)
+    }
+}
+
+fn build(mut root: Node) -> Result<Scene, Vec<Diagnostic>> {
+    let reading = recover::read_all::<Draft>(&mut root);
+    let mut faults = reading.faults;
+    let Some(draft) = reading.value else {
+        return Err(faults);
+    };
+    faults.extend(draft.check(&Context {
+        draft: &draft,
+        faulty: &reading.faulty,
+    }));
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    draft
+        .finish()
+        .ok_or_else(|| vec![Diagnostic::new("the scene is not complete")])
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::float_cmp)]
+    use super::*;
+    use crate::scene::Storage;
+
+    const SMALL: &str = r#"# a comment
+title = "Small"
+[geometry]
+type = "lattice"
+size = [1, 1]
+points = [10, 10]
+[fluid]
+viscosity = "1 cP"
+[materials.z_first]
+permeability = "1 mD"
+storage = 1e-10
+[materials.a_second]
+region = { type = "box", min = [0, 0], max = [0.5, 1] }
+permeability = "2 mD"
+storage = 1e-10
+[flow.boundary.left]
+pressure = "1 MPa"
+[time]
+end = "10 s"
+"#;
+
+    fn load(text: &str, overrides: &[&str]) -> Result<LoadedScene, SceneErrors> {
+        let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+        load_str("small.toml", text, Path::new("there"), &overrides)
+    }
+
+    #[test]
+    fn quantities_arrive_in_si_and_defaults_are_filled_in() {
+        let scene = load(SMALL, &[]).unwrap().scene;
+        assert_eq!(scene.fluid.as_ref().unwrap().viscosity.value(), 1e-3);
+        assert_eq!(scene.fluid.unwrap().density.value(), 1000.0);
+        assert_eq!(scene.time.end.unwrap().value(), 10.0);
+        assert_eq!(scene.time.tolerance.value(), 1e-5);
+        assert_eq!(scene.solver.name.value, "auto");
+        assert_eq!(scene.geometry.bounds().unwrap().max, [1.0, 1.0]);
+        assert!(scene.gravity.is_none() && scene.wells.is_empty() && scene.output.vtu);
+        let storage = scene.materials.get("z_first").unwrap().storage();
+        assert_eq!(storage, Some(Storage::Given(1e-10)));
+    }
+
+    #[test]
+    fn materials_keep_the_order_of_the_file() {
+        let loaded = load(SMALL, &[]).unwrap();
+        let names: Vec<_> = loaded
+            .scene
+            .materials
+            .iter()
+            .map(|e| e.name.as_str())
+            .collect();
+        assert_eq!(names, ["z_first", "a_second"]);
+        let toml = loaded.resolved_toml();
+        assert!(
+            toml.find("z_first").unwrap() < toml.find("a_second").unwrap(),
+            "{toml}"
+        );
+    }
+
+    #[test]
+    fn the_resolved_text_gives_the_same_scene_again() {
+        let sets = [
+            "time.end=30 s",
+            "time.first_step=0.5",
+            "wells.w.at=[0.5, 0.5]",
+            "wells.w.rate=1e-6 m^2/s",
+        ];
+        let once = load(SMALL, &sets).unwrap();
+        assert!(
+            once.resolved_toml().contains("end = \"30 s\""),
+            "{}",
+            once.resolved_toml()
+        );
+        let twice = load(&once.resolved_toml(), &[]).unwrap();
+        assert_eq!(once.resolved_toml(), twice.resolved_toml());
+        assert_eq!(twice.scene.time.end.unwrap().value(), 30.0);
+        assert_eq!(twice.scene.time.first_step.unwrap().value(), 0.5);
+        assert_eq!(twice.scene.wells.get("w").unwrap().rate.resolved().at(0.0), 1e-6);
+    }
+
+    #[test]
+    fn a_fault_in_a_set_text_is_shown_there() {
+        let text = load(SMALL, &["time.max_step=1", "time.end=30 sec"])
+            .unwrap_err()
+            .to_string();
+        assert!(text.contains("--set #2:1:10"), "{text}");
+        assert!(text.contains("time.end=30 sec"), "{text}");
+        assert!(text.contains("unknown unit `sec`"), "{text}");
+        let text = load(SMALL, &["time.ned=30"]).unwrap_err().to_string();
+        assert!(
+            text.contains("did you mean `end`?") && text.contains("--set #1"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_later_stage_can_underline_the_scene() {
+        let loaded = load(SMALL, &[]).unwrap();
+        let region = loaded.scene.materials.entries[1]
+            .value
+            .region
+            .as_ref()
+            .unwrap();
+        let fault = Diagnostic::new("the region holds no point").at(region.span);
+        let text = loaded.errors(vec![fault]).to_string();
+        assert!(text.contains("small.toml:13:10"), "{text}");
+        assert_eq!(loaded.path("k.npy"), Path::new("there").join("k.npy"));
+    }
+
+    #[test]
+    fn syntax_errors_come_together() {
+        let broken = SMALL
+            .replace("\"1 cP\"", "1 cP")
+            .replace("end = \"10 s\"", "end =");
+        let errors = load(&broken, &[]).unwrap_err();
+        let messages: Vec<_> = errors
+            .diagnostics
+            .iter()
+            .map(|d| d.message.as_str())
+            .collect();
+        assert_eq!(
+            messages,
+            ["a text must stand in quotes", "a value is missing"]
+        );
+        assert_eq!(
+            errors.diagnostics[0].help.as_deref(),
+            Some("write \"1 cP\"")
+        );
+        let twice = format!("{SMALL}end = 3\n");
+        assert!(
+            load(&twice, &[])
+                .unwrap_err()
+                .to_string()
+                .contains("duplicate key")
+        );
+    }
+
+    #[test]
+    fn windows_line_ends_and_a_byte_order_mark_are_fine() {
+        let text = format!("\u{feff}{}", SMALL.replace('\n', "\r\n"));
+        assert!(load(&text, &[]).is_ok());
+        let text = text.replace("\"1 cP\"", "0");
+        let errors = load(&text, &[]).unwrap_err();
+        assert_eq!(
+            errors.sources.excerpt(errors.diagnostics[0].place.unwrap()),
+            Some("0")
+        );
+        assert!(errors.to_string().contains("small.toml:8:13"), "{errors}");
+    }
+
+    #[test]
+    fn a_file_that_is_no_scene_is_named() {
+        let folder = std::env::temp_dir().join(format!("perifrac-scene-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let write = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            std::fs::write(&path, bytes).unwrap();
+            path
+        };
+        let cases = [
+            (folder.join("absent.toml"), "cannot read the scene file"),
+            (folder.clone(), "is a folder"),
+            (
+                write("empty.toml", b"\n# only a comment\n"),
+                "the scene file is empty",
+            ),
+            (
+                write("latin.toml", b"title = 'x'\n# \xe9\n"),
+                "is not UTF-8 text (line 2)",
+            ),
+        ];
+        for (path, message) in cases {
+            let text = load_file(&path, &[]).unwrap_err().to_string();
+            assert!(text.contains(message), "{text}");
+        }
+        let loaded = load_file(&write("good.toml", SMALL.as_bytes()), &[]).unwrap();
+        assert_eq!(loaded.base_dir, folder);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,81 @@
+//! The JSON schema of the scene language, for editors.
+
+use schemars::generate::SchemaSettings;
+
+use super::draft::Draft;
+
+/// The JSON schema (draft 7, which editors know best) of a scene file.
+///
+/// It describes keys, kinds of values and choices. Units and the rules between keys are checked
+/// only when a scene is loaded.
+pub fn json_schema() -> serde_json::Value {
+    let mut generator = SchemaSettings::draft07().into_generator();
+    generator.root_schema_for::<Draft>().to_value()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    /// Every object schema that lists its properties.
+    fn objects<'a>(value: &'a Value, found: &mut Vec<&'a Value>) {
+        if value.get("properties").is_some_and(Value::is_object) {
+            found.push(value);
+        }
+        match value {
+            Value::Object(map) => map.values().for_each(|inner| objects(inner, found)),
+            Value::Array(list) => list.iter().for_each(|inner| objects(inner, found)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn all_sections_are_described_and_the_needed_ones_required() {
+        let schema = json_schema();
+        let sections: Vec<&String> = schema["properties"].as_object().unwrap().keys().collect();
+        for name in ["geometry", "flow", "wells", "time", "output", "reference"] {
+            assert!(
+                sections.iter().any(|section| *section == name),
+                "{sections:?}"
+            );
+            assert!(
+                schema["properties"][name]["description"].is_string(),
+                "{name}"
+            );
+        }
+        let required = schema["required"].as_array().unwrap();
+        for name in ["title", "geometry", "materials", "time"] {
+            assert!(required.contains(&json!(name)), "{required:?}");
+        }
+    }
+
+    #[test]
+    fn no_table_lets_unknown_keys_pass() {
+        let schema = json_schema();
+        let mut found = Vec::new();
+        objects(&schema, &mut found);
+        assert!(found.len() > 25, "{}", found.len());
+        for object in found {
+            assert_eq!(object["additionalProperties"], json!(false), "{object}");
+        }
+    }
+
+    #[test]
+    fn tagged_tables_name_their_type() {
+        let text = json_schema().to_string();
+        for name in [
+            "lattice",
+            "graded",
+            "blocks",
+            "file",
+            "box",
+            "disc",
+            "polygon",
+            "half-plane",
+        ] {
+            assert!(text.contains(&format!("\"const\":\"{name}\"")), "{name}");
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! `[materials.NAME]`: what the rock is like, and where.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::diagnostics::Diagnostic;
+use crate::scene::quantity::{InversePressure, Length, Number, Permeability, Pressure};
+use crate::scene::shape::Shape;
+use crate::scene::span::{Entry, Named, Span, Spanned};
+use crate::scene::validate::{Context, Report, Section};
+
+/// A rock. Where regions overlap, the later material in the file wins.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Where it lies; everywhere else than the others if absent (at most one such).
+    pub region: Option<Spanned<Shape>>,
+    /// Intrinsic permeability K, m².
+    pub permeability: Spanned<PermeabilityField>,
+    /// Storage s, 1/Pa. Excludes `porosity`, `biot_coefficient` and `bulk_modulus`.
+    pub storage: Option<InversePressure>,
+    /// Porosity n, 0 to 1.
+    pub porosity: Option<Number>,
+    /// Biot coefficient α, from the porosity to 1.
+    pub biot_coefficient: Option<Number>,
+    /// Bulk modulus of the rock, Pa.
+    pub bulk_modulus: Option<Pressure>,
+}
+
+/// Intrinsic permeability, m²: one value, from a file, or drawn at random.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename = "PermeabilityField by key", rename_all = "kebab-case")]
+#[schemars(rename = "PermeabilityField", untagged)]
+pub enum PermeabilityField {
+    /// The same everywhere, m².
+    Value(Permeability),
+    /// One value for each point.
+    File(PermeabilityFile),
+    /// A random field.
+    Distribution(PermeabilityDistribution),
+}
+
+/// Permeability from a file, m².
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PermeabilityFile {
+    /// A `.npy` or `.csv` file, relative to the scene file.
+    pub file: Spanned<String>,
+    /// Column of a `.csv` file.
+    pub column: Option<Spanned<String>>,
+}
+
+/// A random field of permeability.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PermeabilityDistribution {
+    /// Kind of distribution.
+    pub distribution: Distribution,
+    /// Median, m².
+    pub median: Permeability,
+    /// Standard deviation of the decimal logarithm.
+    pub log10_std: Number,
+    /// Whole range in decades, clipped around the median; not clipped if absent.
+    pub decades: Option<Number>,
+    /// Correlation length, m; neighbours are independent if absent.
+    pub correlation_length: Option<Length>,
+    /// Seed of the random numbers.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// Kinds of random fields.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Distribution {
+    /// The logarithm is normally distributed.
+    LogNormal,
+}
+
+/// How storage is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Storage {
+    /// The value itself, 1/Pa.
+    Given(f64),
+    /// From the porous medium by Eq. 38, together with the fluid's bulk modulus.
+    Derived {
+        /// Porosity n.
+        porosity: f64,
+        /// Biot coefficient α.
+        biot_coefficient: f64,
+        /// Bulk modulus of the rock, Pa.
+        bulk_modulus: f64,
+    },
+}
+
+impl Material {
+    /// How storage is given, if it is.
+    pub fn storage(&self) -> Option<Storage> {
+        if let Some(storage) = self.storage {
+            return Some(Storage::Given(storage.value()));
+        }
+        Some(Storage::Derived {
+            porosity: self.porosity?.value(),
+            biot_coefficient: self.biot_coefficient?.value(),
+            bulk_modulus: self.bulk_modulus?.value(),
+        })
+    }
+}
+
+impl Section for Named<Material> {
+    const NAME: &'static str = "materials";
+
+    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+        report.names(self);
+        if self.is_empty() {
+            report.add(
+                Diagnostic::new("[materials] is empty")
+                    .at(place)
+                    .help(EXAMPLE),
+            );
+        }
+        let mut background = self.iter().filter(|entry| entry.value.region.is_none());
+        if let Some(first) = background.next() {
+            for second in background {
+                let fault = Diagnostic::new("only one material can go without a `region`");
+                let fault = fault.at(second.span).also(first.span, "has none either");
+                report.add(fault.help("give one of them a region"));
+            }
+        }
+        for entry in self {
+            let material = &entry.value;
+            if let Some(region) = &material.region {
+                report.shape(region, scene);
+            }
+            check_permeability(&material.permeability, report);
+            check_storage(entry, scene, report);
+        }
+    }
+}
+
+/// Remedy for a scene without materials.
+pub(super) const EXAMPLE: &str = "add [materials.rock] with `permeability` and `storage`";
+
+fn check_permeability(field: &PermeabilityField, report: &mut Report) {
+    match field {
+        PermeabilityField::Value(value) => report.positive("permeability", *value),
+        PermeabilityField::File(source) => {
+            report.file("file", &source.file, &["npy", "csv"]);
+            if let Some(column) = &source.column
+                && source.file.to_lowercase().ends_with(".npy")
+            {
+                let fault = Diagnostic::new("a `.npy` file has no columns").at(column.span);
+                report.add(
+                    fault
+                        .also(source.file.span, "the file")
+                        .help("remove `column`"),
+                );
+            }
+        }
+        PermeabilityField::Distribution(random) => {
+            report.positive("median", random.median);
+            report.not_negative("log10_std", random.log10_std);
+            random
+                .decades
+                .into_iter()
+                .for_each(|decades| report.positive("decades", decades));
+            let length = random.correlation_length;
+            length
+                .into_iter()
+                .for_each(|length| report.positive("correlation_length", length));
+        }
+    }
+}
+
+fn check_storage(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report) {
+    let material = &entry.value;
+    material
+        .storage
+        .into_iter()
+        .for_each(|storage| report.positive("storage", storage));
+    material
+        .bulk_modulus
+        .into_iter()
+        .for_each(|value| report.positive("bulk_modulus", value));
+    material
+        .porosity
+        .into_iter()
+        .for_each(|value| report.within("porosity", value, 0.0, 1.0));
+    let biot = material.biot_coefficient;
+    biot.into_iter()
+        .for_each(|value| report.within("biot_coefficient", value, 0.0, 1.0));
+    if let (Some(porosity), Some(biot)) = (material.porosity, biot)
+        && (0.0..porosity.value()).contains(&biot.value())
+    {
+        let fault = Diagnostic::new("`biot_coefficient` must not be below `porosity` (Eq. 38)");
+        report.add(fault.at(biot.span()).also(porosity.span(), "the porosity"));
+    }
+    let parts = [
+        ("porosity", material.porosity.map(|value| value.span())),
+        ("biot_coefficient", biot.map(|value| value.span())),
+        (
+            "bulk_modulus",
+            material.bulk_modulus.map(|value| value.span()),
+        ),
+    ];
+    match material.storage {
+        Some(storage) => {
+            let part = parts.into_iter().find(|(_, span)| span.is_some());
+            part.map(|part| report.at_most_one(&[("storage", Some(storage.span())), part]));
+        }
+        None => check_derived_storage(entry, &parts, scene, report),
+    }
+}
+
+fn check_derived_storage(
+    entry: &Entry<Material>,
+    parts: &[(&str, Option<Span>)],
+    scene: &Context<'_>,
+    report: &mut Report,
+) {
+    let missing: Vec<&str> = parts
+        .iter()
+        .filter(|(_, span)| span.is_none())
+        .map(|(name, _)| *name)
+        .collect();
+    let transient = scene
+        .sound(&scene.draft.time)
+        .is_some_and(|time| !time.is_steady());
+    if missing.len() == parts.len() {
+        if transient {
+            let message = format!("material `{}` has no storage", entry.name);
+            report.add(Diagnostic::new(message).at(entry.span).help(
+                "add `storage`, or `porosity`, `biot_coefficient` and `bulk_modulus` (Eq. 38)",
+            ));
+        }
+    } else if !missing.is_empty() {
+        let missing: Vec<String> = missing.iter().map(|name| format!("`{name}`")).collect();
+        let message = format!("storage by Eq. 38 needs {} too", missing.join(" and "));
+        report.add(Diagnostic::new(message).at(entry.span));
+    } else if scene
+        .sound(&scene.draft.fluid)
+        .is_some_and(|fluid| fluid.bulk_modulus.is_none())
+    {
+        let fault = Diagnostic::new("storage by Eq. 38 needs `fluid.bulk_modulus`").at(entry.span);
+        report.add(fault.help("for water: bulk_modulus = \"2.2 GPa\""));
+    }
+}

@@ -1,0 +1,115 @@
+//! `[output]`: what is written, and when.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::scene::diagnostics::Diagnostic;
+use crate::scene::quantity::{Length, Time, values};
+use crate::scene::span::{Named, Span, Spanned};
+use crate::scene::validate::{Context, Report, Section};
+
+/// What is written, and when. The state at the end is always written.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Times at which fields are written, s. Excludes `every`.
+    pub times: Option<Spanned<Vec<Time>>>,
+    /// Interval at which fields are written, s. Excludes `times`.
+    pub every: Option<Time>,
+    /// Whether fields are written as `.vtu`.
+    pub vtu: bool,
+    /// Whether pictures are drawn.
+    pub plots: bool,
+    /// Points at which fields are recorded in every step.
+    pub probes: Named<Probe>,
+    /// Lines along which fields are recorded at every output.
+    pub profiles: Named<Profile>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        let (probes, profiles) = (Named::default(), Named::default());
+        Self {
+            times: None,
+            every: None,
+            vtu: true,
+            plots: true,
+            probes,
+            profiles,
+        }
+    }
+}
+
+/// A point at which fields are recorded.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Position, m.
+    pub at: Spanned<Vec<Length>>,
+}
+
+/// A line along which fields are recorded.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Start, m.
+    pub from: Spanned<Vec<Length>>,
+    /// End, m.
+    pub to: Spanned<Vec<Length>>,
+    /// Number of positions, both ends among them.
+    #[serde(default = "two_hundred")]
+    pub points: Spanned<u64>,
+}
+
+fn two_hundred() -> Spanned<u64> {
+    Spanned::nowhere(200)
+}
+
+impl Section for Output {
+    const NAME: &'static str = "output";
+
+    fn check(&self, _: Span, scene: &Context<'_>, report: &mut Report) {
+        report.at_most_one(&[
+            ("times", self.times.as_ref().map(|times| times.span)),
+            ("every", self.every.map(|every| every.span())),
+        ]);
+        self.every
+            .into_iter()
+            .for_each(|every| report.positive("every", every));
+        let end = scene.sound(&scene.draft.time).and_then(|time| time.end);
+        for time in self.times.iter().flat_map(|times| times.iter()) {
+            report.not_negative("times", *time);
+            if let Some(end) = end
+                && time.value() > end.value()
+            {
+                let fault = Diagnostic::new("the run ends before this output").at(time.span());
+                report.add(fault.also(end.span(), "the run ends here"));
+            }
+        }
+        report.names(&self.probes);
+        report.names(&self.profiles);
+        for probe in &self.probes {
+            report.position("at", &probe.value.at, scene);
+        }
+        for profile in &self.profiles {
+            check_profile(&profile.value, scene, report);
+        }
+    }
+}
+
+fn check_profile(profile: &Profile, scene: &Context<'_>, report: &mut Report) {
+    report.position("from", &profile.from, scene);
+    report.position("to", &profile.to, scene);
+    report.at_least("points", profile.points, 2);
+    let (from, to) = (values(&profile.from), values(&profile.to));
+    if from.len() != to.len() {
+        report.vector("to", &profile.to, Some(from.len()));
+    } else if from
+        .iter()
+        .zip(&to)
+        .all(|(start, end)| start.total_cmp(end).is_eq())
+    {
+        let fault = Diagnostic::new("`from` and `to` are the same position").at(profile.to.span);
+        report.add(fault.also(profile.from.span, "`from`"));
+    }
+}

@@ -1,0 +1,134 @@
+//! `[time]`: how long, and in which steps.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::diagnostics::Diagnostic;
+use crate::scene::quantity::{Number, Time};
+use crate::scene::span::{Span, Spanned};
+use crate::scene::validate::{Context, Report, Section};
+
+/// How long, and in which steps.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TimeControl {
+    /// In time, or only the state of rest.
+    pub mode: Spanned<Mode>,
+    /// End of the run, s. Needed unless steady.
+    pub end: Option<Time>,
+    /// Fixed step, s. If absent: adaptive (implicit), or the stability limit times `safety`
+    /// (explicit).
+    pub step: Option<Time>,
+    /// First of the adaptive steps, s.
+    pub first_step: Option<Time>,
+    /// Longest of the adaptive steps, s.
+    pub max_step: Option<Time>,
+    /// Relative error allowed in an adaptive step.
+    pub tolerance: Number,
+    /// Method of the implicit scheme.
+    pub integrator: Integrator,
+    /// Part of the stability limit that an explicit step uses, above 0, up to 1.
+    pub safety: Number,
+    /// The run fails beyond this many steps.
+    pub max_steps: Spanned<u64>,
+}
+
+impl Default for TimeControl {
+    fn default() -> Self {
+        Self {
+            mode: Spanned::default(),
+            end: None,
+            step: None,
+            first_step: None,
+            max_step: None,
+            tolerance: Number::si(1e-5),
+            integrator: Integrator::default(),
+            safety: Number::si(0.9),
+            max_steps: Spanned::nowhere(1_000_000),
+        }
+    }
+}
+
+/// Whether time passes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// From the initial state to `end`.
+    #[default]
+    Transient,
+    /// Only the state in which nothing changes any more.
+    Steady,
+}
+
+/// Methods of the implicit scheme.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// Second order, with an error estimate.
+    #[default]
+    TrBdf2,
+    /// First order.
+    BackwardEuler,
+}
+
+impl TimeControl {
+    /// Whether only the state of rest is wanted.
+    pub fn is_steady(&self) -> bool {
+        self.mode.value == Mode::Steady
+    }
+}
+
+impl Section for TimeControl {
+    const NAME: &'static str = "time";
+
+    fn check(&self, place: Span, _: &Context<'_>, report: &mut Report) {
+        if !self.is_steady() && self.end.is_none() {
+            let fault = Diagnostic::new("a transient run needs `end`").at(place);
+            report.add(fault.help("write end = \"1 h\", or mode = \"steady\""));
+        }
+        let durations = [
+            ("end", self.end),
+            ("step", self.step),
+            ("first_step", self.first_step),
+            ("max_step", self.max_step),
+        ];
+        for (name, duration) in durations {
+            let Some(duration) = duration else { continue };
+            report.positive(name, duration);
+            if let Some(end) = self.end
+                && duration.value() > end.value()
+                && end.value() > 0.0
+            {
+                let fault = Diagnostic::new(format!("`{name}` is longer than the run"));
+                report.add(
+                    fault
+                        .at(duration.span())
+                        .also(end.span(), "the run ends here"),
+                );
+            }
+        }
+        self.check_adaptive(report);
+        report.within("tolerance", self.tolerance, 1e-12, 0.1);
+        report.positive("safety", self.safety);
+        if self.safety.value() > 1.0 {
+            let fault = Diagnostic::new("`safety` above 1 goes beyond the stability limit");
+            report.add(fault.at(self.safety.span()));
+        }
+        report.at_least("max_steps", self.max_steps, 1);
+    }
+}
+
+impl TimeControl {
+    fn check_adaptive(&self, report: &mut Report) {
+        let step = self.step.map(|step| step.span());
+        for (name, other) in [("first_step", self.first_step), ("max_step", self.max_step)] {
+            report.at_most_one(&[("step", step), (name, other.map(|other| other.span()))]);
+        }
+        if let (Some(first), Some(max)) = (self.first_step, self.max_step)
+            && first.value() > max.value()
+        {
+            let fault = Diagnostic::new("`first_step` is longer than `max_step`");
+            report.add(fault.at(first.span()).also(max.span(), "the longest step"));
+        }
+    }
+}

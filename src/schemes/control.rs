@@ -1,0 +1,120 @@
+//! Step control: a proportional-integral controller that avoids needless changes of the step.
+
+use crate::plan::{StepRule, TimePlan};
+
+/// Chooses the next step from error estimates.
+#[derive(Debug, Clone)]
+pub struct StepControl {
+    dt: f64,
+    tolerance: f64,
+    order: f64,
+    max: f64,
+    fixed: bool,
+    previous: Option<f64>,
+}
+
+/// Share of the step that the controller thinks possible.
+const CAUTION: f64 = 0.85;
+/// Growth below which the step stays, so that the factor of the matrix can be kept.
+const WORTHWHILE: f64 = 1.6;
+const MOST_GROWTH: f64 = 8.0;
+const MOST_CUT: f64 = 0.1;
+
+impl StepControl {
+    /// Controller for a scheme whose local error is of the given order; `first` is the first
+    /// adaptive step in seconds.
+    pub fn new(time: &TimePlan, order: f64, first: f64) -> Self {
+        let (dt, fixed) = match time.step {
+            StepRule::Fixed(dt) => (dt, true),
+            StepRule::Adaptive => (first, false),
+        };
+        let max = time.max_step.unwrap_or(f64::INFINITY);
+        StepControl { dt: dt.min(max), tolerance: time.tolerance, order, max, fixed, previous: None }
+    }
+
+    /// Constant step.
+    pub fn constant(dt: f64) -> Self {
+        StepControl { dt, tolerance: 1.0, order: 1.0, max: dt, fixed: true, previous: None }
+    }
+
+    /// Step to try next, s.
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Whether steps are constant.
+    pub fn is_fixed(&self) -> bool {
+        self.fixed
+    }
+
+    /// Judges a step by its error relative to the field's range; sets the next step. True accepts.
+    ///
+    /// A step `shortened` to end at a stop says nothing about whether the next could be longer.
+    pub fn judge(&mut self, relative_error: Option<f64>, shortened: bool) -> bool {
+        let Some(error) = relative_error.filter(|_| !self.fixed) else { return true };
+        let scaled = (error / self.tolerance).max(1e-10);
+        if scaled > 1.0 {
+            self.dt *= (CAUTION * scaled.powf(-1.0 / self.order)).clamp(MOST_CUT, 0.7);
+            self.previous = None;
+            return false;
+        }
+        if shortened {
+            return true;
+        }
+        let smooth = self.previous.map_or(1.0, |p: f64| p.powf(0.4 / self.order));
+        let exponent = if self.previous.is_some() { 0.7 } else { 1.0 };
+        let factor = CAUTION * scaled.powf(-exponent / self.order) * smooth;
+        self.previous = Some(scaled);
+        if factor > WORTHWHILE {
+            self.dt = (self.dt * factor.min(MOST_GROWTH)).min(self.max);
+        } else if factor < 1.0 {
+            self.dt *= factor.max(0.5);
+        }
+        true
+    }
+
+    /// Cuts the step after a failure; false if that is not allowed or no longer sensible.
+    pub fn cut(&mut self, smallest: f64) -> bool {
+        if self.fixed || self.dt * 0.25 < smallest {
+            return false;
+        }
+        self.dt *= 0.25;
+        self.previous = None;
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn control() -> StepControl {
+        StepControl {
+            dt: 1.0,
+            tolerance: 1e-4,
+            order: 3.0,
+            max: 100.0,
+            fixed: false,
+            previous: None,
+        }
+    }
+
+    #[test]
+    fn a_step_that_is_about_right_is_kept_to_spare_a_factorisation() {
+        let mut control = control();
+        assert!(control.judge(Some(0.5e-4), false));
+        assert!((control.dt() - 1.0).abs() < 0.1 || control.dt() < 1.0);
+        assert!(control.judge(Some(0.3e-4), false));
+    }
+
+    #[test]
+    fn a_bad_step_is_rejected_and_cut_and_a_good_one_grows_to_its_bound() {
+        let mut control = control();
+        assert!(!control.judge(Some(8e-4), false));
+        assert!((control.dt() - 0.425).abs() < 1e-12);
+        for _ in 0..20 {
+            assert!(control.judge(Some(1e-12), false));
+        }
+        assert!((control.dt() - 100.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,110 @@
+//! The steady state: one solve, no time loop.
+//!
+//! A sealed part of the domain has a steady state only if its sources balance, and then any constant
+//! can be added. Such a part is grounded by doubling one diagonal entry: adding up its rows shows that
+//! the grounded pressure is zero exactly, so nothing else changes. The constant follows from the
+//! volume stored at the start, which a sealed part keeps.
+
+use perifrac_solvers::{SolverSpec, multiply};
+
+use super::{ImplicitSystem, SchemeCounters, State, StepError, StepReport};
+use crate::geometry::Side;
+use crate::model::{FlowModel, Model};
+use crate::operators::Parity;
+
+/// Imbalance of a sealed part, relative to its gross rates, that counts as rounding.
+const BALANCED: f64 = 1e-9;
+
+/// Solves L p = q.
+///
+/// # Errors
+/// [`StepError::NoSteadyState`] for a sealed part with a net source; [`StepError::Solve`].
+pub fn solve_steady<const D: usize>(
+    model: &Model<D>,
+    solver: &SolverSpec,
+    state: &mut State,
+) -> Result<(StepReport, SchemeCounters, (String, String)), StepError> {
+    let flow = &model.flow;
+    let mut rate = vec![0.0; flow.points()];
+    flow.rate(state.time, &mut rate);
+    let parts = sealed_parts(flow);
+    check_balance(&parts, &rate)?;
+    let mut system = ImplicitSystem::new(solver, flow)?;
+    let ground: Vec<usize> = parts.iter().map(|part| part[0] as usize).collect();
+    system.prepare(flow, 0.0, 1.0, &ground)?;
+    let initial = state.pressure.clone();
+    for fixed in &flow.fixed {
+        state.pressure[fixed.point] = flow.fixed_loads[fixed.load].at(state.time);
+    }
+    let mut rhs = rate.clone();
+    let solved = system.solve(flow, &mut rhs, &mut state.pressure)?;
+    for part in &parts {
+        keep_volume(flow, part, &initial, &mut state.pressure);
+    }
+    let mut flows = flow.flows(&state.pressure, state.time);
+    if !flow.fixed.is_empty() {
+        let mut product = vec![0.0; rate.len()];
+        multiply(flow.matrix(), &state.pressure, &mut product);
+        rate.iter_mut().zip(&product).for_each(|(r, p)| *r -= p);
+        flows.fixed = flow.fixed_inflow(&rate);
+    }
+    let report = StepReport { iterations: solved.iterations, error: None, flows };
+    let counters = SchemeCounters { products: 0, solver: system.counters().clone() };
+    Ok((report, counters, system.chosen().clone()))
+}
+
+/// Connected parts without any prescribed pressure, each a list of points.
+fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
+    let mut anchored = vec![false; flow.points()];
+    flow.fixed.iter().for_each(|fixed| anchored[fixed.point] = true);
+    if Side::all(D).any(|side| flow.extension.parity(side) == Parity::Odd) {
+        flow.operator.outlets(&flow.extension).iter().for_each(|&i| anchored[i as usize] = true);
+    }
+    let mut seen = vec![false; flow.points()];
+    let mut sealed = Vec::new();
+    for first in 0..flow.points() {
+        if seen[first] {
+            continue;
+        }
+        seen[first] = true;
+        let mut part = vec![first as u32];
+        let mut next = 0;
+        while let Some(&point) = part.get(next) {
+            next += 1;
+            for &column in &flow.pattern.columns[flow.pattern.row(point as usize)] {
+                if !std::mem::replace(&mut seen[column as usize], true) {
+                    part.push(column);
+                }
+            }
+        }
+        if !part.iter().any(|&point| anchored[point as usize]) {
+            sealed.push(part);
+        }
+    }
+    sealed
+}
+
+fn check_balance(parts: &[Vec<u32>], rate: &[f64]) -> Result<(), StepError> {
+    for part in parts {
+        let net: f64 = part.iter().map(|&i| rate[i as usize]).sum();
+        let gross: f64 = part.iter().map(|&i| rate[i as usize].abs()).sum();
+        if net.abs() > BALANCED * gross {
+            return Err(StepError::NoSteadyState { point: part[0] as usize, net });
+        }
+    }
+    Ok(())
+}
+
+/// Shifts a sealed part so that it stores the same volume as before.
+fn keep_volume<const D: usize>(
+    flow: &FlowModel<D>,
+    part: &[u32],
+    initial: &[f64],
+    pressure: &mut [f64],
+) {
+    let sum = |p: &dyn Fn(usize) -> f64| -> f64 {
+        part.iter().map(|&i| flow.capacity[i as usize] * p(i as usize)).sum()
+    };
+    let shift = (sum(&|i| initial[i]) - sum(&|i| pressure[i])) / sum(&|_| 1.0);
+    part.iter().for_each(|&i| pressure[i as usize] += shift);
+}
