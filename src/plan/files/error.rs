@@ -225,7 +225,10 @@ pub enum FileError {
         total: usize,
     },
     /// The file is cut off or was changed, so that its parts do not fit together.
-    #[error("{path}{place}: {reason}; the file is damaged or incomplete: write or copy it again", place = comma(.place))]
+    #[error(
+        "{path}{place}: {reason}; the file is damaged or incomplete: write or copy it again",
+        place = comma(.place)
+    )]
     Damaged {
         /// The file.
         path: PathBuf,

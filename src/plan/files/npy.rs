@@ -88,7 +88,10 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
             "the header has {length} bytes, more than {LONGEST_HEADER}"
         ));
     }
-    let header = text.get(..length).ok_or("the header is cut off")?;
+    check_dictionary(text.get(..length).ok_or("the header is cut off")?)
+}
+
+fn check_dictionary(header: &[u8]) -> Result<(), String> {
     if header.iter().filter(|&byte| b"([{".contains(byte)).count() > 64 {
         return Err("the header has too many brackets".to_owned());
     }

@@ -40,45 +40,66 @@ impl<'a> Layout<'a> {
         root: Node<'_, '_>,
         appended: Option<Appended<'a>>,
     ) -> Result<Self, FileError> {
-        let unsupported = |what, found: &str, remedy| FileError::Unsupported {
-            path: path.to_path_buf(),
-            what,
-            found: found.to_owned(),
-            remedy,
-        };
-        if !root.has_tag_name("VTKFile") {
-            let name = root.tag_name().name();
-            return Err(unsupported("the root element", name, "give a VTK XML file"));
-        }
         let attribute = |name, default| root.attribute(name).unwrap_or(default);
-        let kind = attribute("type", "");
-        if kind != "UnstructuredGrid" {
-            let remedy = "save the points as an unstructured grid";
-            return Err(unsupported("the kind of grid", kind, remedy));
-        }
+        let kind = if root.has_tag_name("VTKFile") {
+            attribute("type", "")
+        } else {
+            root.tag_name().name()
+        };
         let compressor = attribute("compressor", "");
-        if !matches!(compressor, "" | "vtkZLibDataCompressor") {
-            let remedy = "save the file with zlib or without compression";
-            return Err(unsupported("the compressor", compressor, remedy));
-        }
-        let header_bytes = match attribute("header_type", "UInt32") {
-            "UInt32" => 4,
-            "UInt64" => 8,
-            other => return Err(unsupported("header_type", other, "use UInt32 or UInt64")),
-        };
-        let big_endian = match attribute("byte_order", "LittleEndian") {
-            "LittleEndian" => false,
-            "BigEndian" => true,
-            other => {
-                let remedy = "use LittleEndian or BigEndian";
-                return Err(unsupported("byte_order", other, remedy));
-            }
-        };
+        let header = attribute("header_type", "UInt32");
+        let order = attribute("byte_order", "LittleEndian");
+        GRID.expect(path, kind)?;
+        COMPRESSOR.expect(path, compressor)?;
+        HEADER_TYPE.expect(path, header)?;
+        BYTE_ORDER.expect(path, order)?;
         Ok(Self {
-            big_endian,
-            header_bytes,
+            big_endian: order == "BigEndian",
+            header_bytes: if header == "UInt64" { 8 } else { 4 },
             zlib: !compressor.is_empty(),
             appended,
+        })
+    }
+}
+
+/// An attribute and the values of it that are read here.
+struct Property {
+    what: &'static str,
+    known: &'static [&'static str],
+    remedy: &'static str,
+}
+
+const GRID: Property = Property {
+    what: "the kind of grid",
+    known: &["UnstructuredGrid"],
+    remedy: "save the points as an unstructured grid",
+};
+const COMPRESSOR: Property = Property {
+    what: "the compressor",
+    known: &["", "vtkZLibDataCompressor"],
+    remedy: "save the file with zlib or without compression",
+};
+const HEADER_TYPE: Property = Property {
+    what: "header_type",
+    known: &["UInt32", "UInt64"],
+    remedy: "use UInt32 or UInt64",
+};
+const BYTE_ORDER: Property = Property {
+    what: "byte_order",
+    known: &["LittleEndian", "BigEndian"],
+    remedy: "use LittleEndian or BigEndian",
+};
+
+impl Property {
+    fn expect(&self, path: &Path, found: &str) -> Result<(), FileError> {
+        if self.known.contains(&found) {
+            return Ok(());
+        }
+        Err(FileError::Unsupported {
+            path: path.to_path_buf(),
+            what: self.what,
+            found: found.to_owned(),
+            remedy: self.remedy,
         })
     }
 }
@@ -107,25 +128,20 @@ pub(super) fn separate<'a>(
         return Ok((Cow::Borrowed(bytes), None));
     }
     let mark = tag + find(&bytes[tag..], b"_").ok_or_else(cut_off)?;
-    let end = bytes
-        .windows(b"</AppendedData".len())
-        .rposition(|window| window == b"</AppendedData")
+    let end = find_last(bytes, b"</AppendedData")
         .filter(|&end| end > mark)
         .ok_or_else(cut_off)?;
-    let base64 = match attribute(&bytes[start..tag], b"encoding") {
-        Some(b"base64") => true,
-        None | Some(b"raw") => false,
-        Some(_) => {
-            return Err(damaged(
-                "the encoding of <AppendedData> is not base64 or raw",
-            ));
-        }
-    };
+    let encoding = attribute(&bytes[start..tag], b"encoding").unwrap_or_default();
+    if !matches!(encoding, b"base64" | b"raw") {
+        return Err(damaged(
+            "the encoding of <AppendedData> is not base64 or raw",
+        ));
+    }
     let xml = [&bytes[..=tag], &bytes[end..]].concat();
     Ok((
         Cow::Owned(xml),
         Some(Appended {
-            base64,
+            base64: encoding == b"base64",
             bytes: &bytes[mark + 1..end],
         }),
     ))
@@ -135,6 +151,12 @@ fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
     bytes
         .windows(wanted.len())
         .position(|window| window == wanted)
+}
+
+fn find_last(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
+    bytes
+        .windows(wanted.len())
+        .rposition(|window| window == wanted)
 }
 
 /// Value of an attribute in the text of a tag; the XML is parsed only after the data are cut out.

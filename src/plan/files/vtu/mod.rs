@@ -50,34 +50,7 @@ struct Found {
 
 impl Found {
     fn into_table(self, path: &Path) -> Result<PointTable, FileError> {
-        let points = self.volume.len();
-        if points == 0 {
-            return Err(FileError::Empty {
-                path: path.to_path_buf(),
-                what: "points",
-            });
-        }
-        check(
-            path,
-            "a coordinate",
-            Allowed::Finite,
-            &self.position,
-            |index| Place::Index(index / 3),
-        )?;
-        check(
-            path,
-            "volume",
-            Allowed::Positive,
-            &self.volume,
-            Place::Index,
-        )?;
-        check(
-            path,
-            "permeability",
-            Allowed::Positive,
-            &self.permeability,
-            Place::Index,
-        )?;
+        self.check(path)?;
         let dimension = if is_flat(&self.position) { 2 } else { 3 };
         let unit = if dimension == 2 { "m2" } else { "m3" };
         if let Some(found) = self.volume_unit.filter(|&found| found != unit) {
@@ -100,6 +73,31 @@ impl Found {
             material: None,
             permeability: (!self.permeability.is_empty()).then_some(self.permeability),
         })
+    }
+
+    fn check(&self, path: &Path) -> Result<(), FileError> {
+        if self.volume.is_empty() {
+            return Err(FileError::Empty {
+                path: path.to_path_buf(),
+                what: "points",
+            });
+        }
+        let point = |index| Place::Index(index / 3);
+        check(path, "a coordinate", Allowed::Finite, &self.position, point)?;
+        check(
+            path,
+            "volume",
+            Allowed::Positive,
+            &self.volume,
+            Place::Index,
+        )?;
+        check(
+            path,
+            "permeability",
+            Allowed::Positive,
+            &self.permeability,
+            Place::Index,
+        )
     }
 }
 
