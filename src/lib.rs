@@ -19,6 +19,7 @@ pub mod operators;
 pub mod assembly;
 pub mod report;
 pub mod effects;
+pub mod boundary;
 pub mod model;
 pub mod explain;
 pub mod schemes;

@@ -83,7 +83,9 @@ pub fn consistent_gradient<const D: usize>(
         let target = targets(around, axis, one_sided, &layer, &sums);
         let rhs: Vec<f64> = target.iter().zip(&sums).map(|(t, s)| t - s).collect();
         quality.before = quality.before.max(relative(around, &rhs));
-        let lambda = multipliers(&form, &natural, &pattern, &rhs)?;
+        let singular = !null_functions(around, axis, one_sided).is_empty();
+        let shift = if singular { SINGULAR_SHIFT } else { SHIFT };
+        let lambda = multipliers(&form, &natural, &pattern, &rhs, shift)?;
         add_correction(around, &natural, &lambda, axis, &mut corrected);
         let after = column_sums(around, |a, b| if a == axis { corrected[b][a] } else { 0.0 }, sign);
         let left: Vec<f64> = after.iter().zip(&target).map(|(s, t)| s[axis] - t).collect();
@@ -191,9 +193,12 @@ fn null_functions<const D: usize>(
     }
 }
 
-/// Shift that keeps the singular cases factorable, relative to the diagonal.
+/// Shift of the diagonal against rounding errors in the factor, relative to it.
 const SHIFT: f64 = 1e-13;
-/// Corrections of the multipliers; each gains many digits.
+/// Shift where one-sided planes leave the matrix singular; the right-hand side has no share in what
+/// it cannot see, so refinement removes the shift's effect.
+const SINGULAR_SHIFT: f64 = 1e-9;
+/// Corrections of the multipliers; each gains several digits.
 const REFINEMENTS: usize = 12;
 
 /// λ with A λ = rhs, by a factor of the shifted matrix and refinement with the true one.
@@ -202,6 +207,7 @@ fn multipliers<const D: usize>(
     natural: &Extension<D>,
     pattern: &Pattern,
     rhs: &[f64],
+    shift: f64,
 ) -> Result<Vec<f64>, ConsistencyError> {
     let largest = rhs.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     let mut lambda = vec![0.0; rhs.len()];
@@ -214,7 +220,7 @@ fn multipliers<const D: usize>(
     scalar::fill(form, natural, &[], pattern, &mut values);
     let mut shifted = values.clone();
     for row in 0..pattern.rows() {
-        shifted[pattern.diagonal(row)] *= 1.0 + SHIFT;
+        shifted[pattern.diagonal(row)] *= 1.0 + shift;
     }
     let shape = (pattern.rows(), pattern.rows());
     let view = |values| CsrView::new(shape, &pattern.offsets[..], &pattern.columns[..], values);

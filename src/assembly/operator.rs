@@ -1,6 +1,7 @@
 //! One trait object per operator: dispatch once per assembly, never per bond.
 
 use super::{Pattern, PatternError, force, scalar};
+use crate::geometry::Vector;
 use crate::operators::{BondForm, Extension, Neighbourhood};
 
 /// A scalar operator chosen at run time; every [`BondForm`] is one.
@@ -39,6 +40,14 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
         mobility: &[f64],
         difference: &(dyn Fn(usize, usize) -> f64 + Sync),
     ) -> Vec<f64>;
+
+    /// Flux −κ∇̃p at a point from the bond differences of its family, m/s.
+    fn flux(
+        &self,
+        mobility: &[f64],
+        point: usize,
+        difference: &dyn Fn(usize, usize) -> f64,
+    ) -> Vector<D>;
 
     /// Points with bonds that leave through a side of prescribed value.
     fn outlets(&self, extension: &Extension<D>) -> Vec<u32>;
@@ -91,6 +100,15 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         difference: &(dyn Fn(usize, usize) -> f64 + Sync),
     ) -> Vec<f64> {
         force::force(self, extension, mobility, difference)
+    }
+
+    fn flux(
+        &self,
+        mobility: &[f64],
+        point: usize,
+        difference: &dyn Fn(usize, usize) -> f64,
+    ) -> Vector<D> {
+        BondForm::flux(self, point, mobility, &|bond| difference(point, bond))
     }
 
     fn outlets(&self, extension: &Extension<D>) -> Vec<u32> {

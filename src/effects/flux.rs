@@ -1,9 +1,11 @@
-//! Prescribed flux through plane sides, spread by the area vectors of the one-sided families.
+//! Prescribed flux through plane sides, where families see no images.
 //!
-//! A uniform flux is then in balance with a linear pressure to rounding.
+//! It is spread over the layer at the side as the operator spreads it: a uniform flux is then in
+//! balance with a linear pressure to rounding, whatever the operator.
 
 use super::{Context, Effect, EffectError, sides_with};
-use crate::operators::{Gradient, Parity, area_vectors};
+use crate::geometry::Side;
+use crate::operators::Parity;
 use crate::plan::SideCondition;
 use crate::plan::Load;
 
@@ -18,27 +20,37 @@ pub(super) fn build<const D: usize>(
     context: &Context<'_, D>,
 ) -> Result<Vec<Box<dyn Effect>>, EffectError> {
     let Some(flow) = &context.plan.flow else { return Ok(Vec::new()) };
-    let around = context.operator.neighbourhood();
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     for side in sides_with(context.extension, Parity::OneSided) {
         let SideCondition::Flux(flux) = &flow.sides[side.index()] else { continue };
-        let vectors = area_vectors(around, &Gradient::plain(around), context.extension);
-        let layer = |point: usize| {
-            let gap = around.cloud.position[point][side.axis] - around.cloud.domain.plane(side);
-            // Columns feel points one horizon away, which themselves see one horizon further.
-            gap.abs() < 2.0 * around.families.horizon[point]
-        };
-        let mut area: Vec<(u32, f64)> = (0..around.len())
-            .filter(|&point| layer(point))
-            .map(|point| (point as u32, side.outward() * vectors[point][side.axis]))
-            .filter(|(_, area)| *area != 0.0)
-            .collect();
-        let exact = around.cloud.domain.area(side);
-        let total: f64 = area.iter().map(|(_, a)| a).sum();
-        area.iter_mut().for_each(|(_, a)| *a *= exact / total);
-        effects.push(Box::new(Flux { flux: flux.clone(), area, total: exact }));
+        let area = areas(context, side);
+        let total = area.iter().map(|(_, area)| area).sum();
+        effects.push(Box::new(Flux { flux: flux.clone(), area, total }));
     }
     Ok(effects)
+}
+
+/// Area that every point presents to a side: what the operator itself makes of the linear function
+/// normal to the side, for unit mobility, adding up to the side's area.
+fn areas<const D: usize>(context: &Context<'_, D>, side: Side) -> Vec<(u32, f64)> {
+    let around = context.operator.neighbourhood();
+    let (cloud, horizon) = (&around.cloud, &around.families.horizon);
+    let normal = |owner: usize, bond: usize| around.bond_vector(owner, bond)[side.axis];
+    let force = context.operator.force(context.extension, &vec![1.0; around.len()], &normal);
+    // Points feel a side through points one horizon away, which themselves see one horizon further.
+    let layer = |point: usize| {
+        (cloud.position[point][side.axis] - cloud.domain.plane(side)).abs() < 2.0 * horizon[point]
+    };
+    let mut area: Vec<(u32, f64)> = (0..around.len())
+        .filter(|&point| layer(point))
+        .map(|point| (point as u32, side.outward() * force[point]))
+        .collect();
+    // What is rounding error inside the layer is none of the side's.
+    let largest = area.iter().map(|(_, area)| area.abs()).fold(0.0, f64::max);
+    area.retain(|(_, area)| area.abs() > 1e-12 * largest);
+    let scale = cloud.domain.area(side) / area.iter().map(|(_, area)| area).sum::<f64>();
+    area.iter_mut().for_each(|(_, area)| *area *= scale);
+    area
 }
 
 impl Effect for Flux {

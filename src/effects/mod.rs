@@ -5,7 +5,6 @@
 mod flux;
 mod gravity;
 mod source;
-mod wall;
 mod wells;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -42,10 +41,14 @@ pub trait Effect: Send + Sync {
     /// Adds the rate at `time` to `rate`, shape `(n,)`, unit m^D/s.
     fn add_rate(&self, time: f64, rate: &mut [f64]);
 
-    /// Total rate of fluid brought in at `time`, m^D/s; zero for what only moves fluid about or
-    /// acts through prescribed sides, whose flux is measured.
+    /// Total rate of fluid brought in at `time`, m^D/s; zero for what only moves fluid about.
     fn injection(&self, _time: f64) -> f64 {
         0.0
+    }
+
+    /// Sum of the absolute rates at `time`, m^D/s: the scale of balances.
+    fn gross(&self, time: f64) -> f64 {
+        self.injection(time).abs()
     }
 
     /// Times at which the rate's slope jumps; steps end there.
@@ -98,8 +101,8 @@ pub enum EffectError {
 type Build<const D: usize> = fn(&Context<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
 
 /// Every effect with the function that builds it, or nothing if the plan does not name it.
-fn registry<const D: usize>() -> [Build<D>; 5] {
-    [wall::build, flux::build, gravity::build, wells::build, source::build]
+fn registry<const D: usize>() -> [Build<D>; 4] {
+    [flux::build, gravity::build, wells::build, source::build]
 }
 
 /// Builds the effects the plan names and no others.

@@ -46,6 +46,10 @@ impl<const D: usize> Effect for ManufacturedSource<D> {
         (0..self.volume.len()).map(|point| self.at(point, time)).sum()
     }
 
+    fn gross(&self, time: f64) -> f64 {
+        (0..self.volume.len()).map(|point| self.at(point, time).abs()).sum()
+    }
+
     fn is_constant(&self) -> bool {
         false
     }

@@ -76,6 +76,14 @@ impl<const D: usize> Cloud<D> {
             distance(a).total_cmp(&distance(b))
         })
     }
+
+    /// All points as near to `target` (metres) as the nearest one, up to rounding.
+    pub fn all_nearest(&self, target: &Vector<D>) -> Vec<usize> {
+        let Some(first) = self.nearest(target) else { return Vec::new() };
+        let limit = (self.position[first] - target).norm() + 1e-6 * self.spacing(first);
+        let near = |&i: &usize| (self.position[i] - target).norm() <= limit;
+        (0..self.len()).filter(near).collect()
+    }
 }
 
 /// Edge of a cube of the given volume in `dimension` dimensions.

@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use perifrac_solvers::CsrView;
+use rayon::prelude::*;
 
 use crate::assembly::{Consistency, Pattern, ScalarOperator, consistent_gradient};
+use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Side, Vector};
 use crate::operators::{
-    BondConductance, Correspondence, Extension, Neighbourhood, Parity, family_gradient,
+    BondConductance, Correspondence, Extension, Neighbourhood, Parity,
 };
 use crate::plan::{FlowPlan, Load, OperatorChoice, Plan, SideCondition};
 
@@ -52,9 +54,9 @@ pub struct FlowModel<const D: usize> {
     pub initial: Vec<f64>,
     /// How often L was filled.
     pub refills: u64,
-    walls: Vec<Option<Load>>,
+    /// Sides of prescribed pressure.
+    pub walls: Vec<Wall>,
     column: Option<Column<D>>,
-    outlets: Vec<u32>,
 }
 
 impl<const D: usize> FlowModel<D> {
@@ -89,8 +91,7 @@ impl<const D: usize> FlowModel<D> {
         Ok(FlowModel {
             capacity: points.storage.iter().zip(&cloud.volume).map(|(s, v)| s * v).collect(),
             initial: initial.collect(),
-            walls: flow.sides.iter().map(wall).collect(),
-            outlets: operator.outlets(&extension),
+            walls: Vec::new(),
             pattern: Pattern { offsets: vec![0], columns: Vec::new() },
             conductance: Vec::new(),
             effects: Vec::new(),
@@ -120,6 +121,13 @@ impl<const D: usize> FlowModel<D> {
             storage: &storage,
             column: self.column.as_ref(),
         })?;
+        self.walls = boundary::walls(
+            plan,
+            &*self.operator,
+            &self.extension,
+            &self.mobility,
+            self.column.as_ref(),
+        );
         Ok(self)
     }
 
@@ -146,22 +154,46 @@ impl<const D: usize> FlowModel<D> {
         CsrView::new(shape, &self.pattern.offsets[..], &self.pattern.columns[..], values)
     }
 
-    /// Rate q at `time`: everything that does not depend on the pressure, shape `(n,)`, m^D/s.
+    /// Rate of the effects at `time`, shape `(n,)`, m^D/s; sides of prescribed pressure not included.
     pub fn rate(&self, time: f64, rate: &mut [f64]) {
         rate.fill(0.0);
         self.effects.iter().for_each(|effect| effect.add_rate(time, rate));
     }
 
+    /// Imbalance q − L p at `time`, shape `(n,)`, m^D/s: what storage takes up.
+    pub fn imbalance(&self, time: f64, pressure: &[f64], imbalance: &mut [f64]) {
+        self.rate(time, imbalance);
+        self.walls.iter().for_each(|wall| wall.add_rate(time, pressure, imbalance));
+        self.subtract_exchange(pressure, imbalance);
+    }
+
+    /// Takes Σ_j L_ij (p_j − p_i) off every entry: the exchange between points.
+    ///
+    /// Written with differences, what leaves one point enters the other to the last bit, and large
+    /// conductances do not amplify the rounding errors of large pressures.
+    pub fn subtract_exchange(&self, pressure: &[f64], result: &mut [f64]) {
+        let (pattern, conductance) = (&self.pattern, &self.conductance);
+        result.par_iter_mut().enumerate().with_min_len(1024).for_each(|(row, result)| {
+            *result -= exchange(pattern, conductance, pressure, row);
+        });
+    }
+
     /// Rates at which the boundary and the sources move fluid in the state `pressure` at `time`;
     /// what comes in at fixed points is added by [`FlowModel::fixed_inflow`].
     pub fn flows(&self, pressure: &[f64], time: f64) -> Flows {
-        let injection = |effect: &Counted| effect.effect().injection(time);
-        Flows {
-            injected: self.effects.iter().map(injection).sum(),
-            gross: self.effects.iter().map(|effect| injection(effect).abs()).sum(),
-            outflow: self.outflow(pressure, time),
+        let effects = self.effects.iter().map(Counted::effect);
+        let mut flows = Flows {
+            injected: effects.clone().map(|effect| effect.injection(time)).sum(),
+            gross: effects.map(|effect| effect.gross(time)).sum(),
+            outflow: vec![0.0; 2 * D],
             fixed: 0.0,
+        };
+        for wall in &self.walls {
+            let (net, gross) = wall.outflow(time, pressure);
+            flows.outflow[wall.side.index()] = net;
+            flows.gross += gross;
         }
+        flows
     }
 
     /// Rate that enters at the points of prescribed pressure, from the imbalance q − L p with the
@@ -176,27 +208,39 @@ impl<const D: usize> FlowModel<D> {
     }
 
     /// Prescribed pressures of the sides at `time`; zero where none is prescribed, shape `(2D,)`.
-    pub fn walls(&self, time: f64) -> Vec<f64> {
-        self.walls.iter().map(|load| load.as_ref().map_or(0.0, |load| load.at(time))).collect()
+    fn wall_values(&self, time: f64) -> Vec<f64> {
+        let mut values = vec![0.0; 2 * D];
+        for wall in &self.walls {
+            values[wall.side.index()] = wall.pressure.at(time);
+        }
+        values
     }
 
     /// The prescribed pressures alone, at `time`, Pa.
     pub fn prescribed(&self, time: f64) -> Vec<f64> {
-        let loads = self.walls.iter().flatten().chain(&self.fixed_loads);
+        let loads = self.walls.iter().map(|wall| &wall.pressure).chain(&self.fixed_loads);
         loads.map(|load| load.at(time)).collect()
     }
 
-    /// Slope of the pressure at a point, Pa/m.
+    /// Slope of the pressure at a point, Pa/m, from the flux there: next to a jump of the mobility
+    /// it is the slope on the point's own side.
     pub fn slope(&self, pressure: &[f64], time: f64, point: usize) -> Vector<D> {
-        let walls = self.walls(time);
-        let around = self.operator.neighbourhood();
-        let families = &around.families;
-        family_gradient(around, point, |bond| {
-            let image = families.image(bond);
-            self.extension.sign(image) * pressure[families.neighbour(bond)]
-                + self.extension.wall_offset(image, &walls)
-                - pressure[point]
-        })
+        let walls = self.wall_values(time);
+        let drive = self.drive(pressure, &walls);
+        let weight = self.column.as_ref().map_or_else(Vector::zeros, |column| column.weight);
+        self.operator.flux(&self.mobility, point, &drive) / -self.mobility[point] + weight
+    }
+
+    /// Pressure at any place: value and slope of the nearest point, averaged over equally near ones,
+    /// so that on the interface of two materials both sides count alike, Pa.
+    pub fn pressure_at(&self, pressure: &[f64], time: f64, place: &Vector<D>) -> f64 {
+        let cloud = &self.operator.neighbourhood().cloud;
+        let near = cloud.all_nearest(place);
+        let value = |&point: &usize| {
+            let slope = self.slope(pressure, time, point);
+            pressure[point] + slope.dot(&(place - cloud.position[point]))
+        };
+        near.iter().map(value).sum::<f64>() / near.len() as f64
     }
 
     /// Bond difference that drives the flux: pressure, wall values and weight, Pa.
@@ -220,9 +264,7 @@ impl<const D: usize> FlowModel<D> {
 
     /// Rates of outflow through the sides, shape `(2D,)`, m^D/s.
     pub fn outflow(&self, pressure: &[f64], time: f64) -> Vec<f64> {
-        let walls = self.walls(time);
-        let drive = self.drive(pressure, &walls);
-        self.operator.outflow(&self.extension, &self.outlets, &self.mobility, &drive)
+        self.flows(pressure, time).outflow
     }
 
     /// Volume stored above zero pressure, Σ V s p, m^D.
@@ -232,19 +274,18 @@ impl<const D: usize> FlowModel<D> {
 
     /// Darcy velocity −κ(∇̃p − ρ_f g) (Eq. 37), shape `(n,)`, m/s.
     pub fn velocity(&self, pressure: &[f64], time: f64) -> Vec<Vector<D>> {
-        use rayon::prelude::*;
-        let walls = self.walls(time);
+        let walls = self.wall_values(time);
         let drive = self.drive(pressure, &walls);
-        let around = self.operator.neighbourhood();
-        let at = |owner| family_gradient(around, owner, |bond| drive(owner, bond));
-        (0..self.points()).into_par_iter().map(|i| at(i) * -self.mobility[i]).collect()
+        let at = |point| self.operator.flux(&self.mobility, point, &drive);
+        (0..self.points()).into_par_iter().map(at).collect()
     }
 
     /// Times at which a load's slope jumps, sorted.
     pub fn breakpoints(&self) -> Vec<f64> {
         let effects = self.effects.iter().flat_map(|effect| effect.effect().breakpoints());
-        let fixed = self.fixed_loads.iter().flat_map(|load| load.breakpoints().to_vec());
-        let mut times: Vec<f64> = effects.chain(fixed).collect();
+        let walls = self.walls.iter().map(|wall| &wall.pressure);
+        let loads = walls.chain(&self.fixed_loads).flat_map(|load| load.breakpoints().to_vec());
+        let mut times: Vec<f64> = effects.chain(loads).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
@@ -252,18 +293,19 @@ impl<const D: usize> FlowModel<D> {
 
     /// Whether a side or a point has a prescribed pressure.
     pub fn is_anchored(&self) -> bool {
-        !self.fixed.is_empty() || self.walls.iter().any(Option::is_some)
+        !self.fixed.is_empty() || !self.walls.is_empty()
     }
 
     /// Bytes held, by what holds them.
     pub fn bytes(&self) -> Vec<(&'static str, usize)> {
         let effects: usize = self.effects.iter().map(|effect| effect.effect().bytes()).sum();
+        let walls: usize = self.walls.iter().map(Wall::bytes).sum();
         vec![
             ("bonds", self.operator.neighbourhood().bytes()),
             ("operator", self.operator.bytes()),
             ("matrix", self.pattern.bytes() + 8 * self.conductance.len()),
             ("coefficients", 8 * (self.mobility.len() + self.capacity.len() + self.initial.len())),
-            ("effects", effects),
+            ("effects", effects + walls),
         ]
     }
 }
@@ -276,11 +318,13 @@ fn parity(side: &SideCondition) -> Parity {
     }
 }
 
-fn wall(side: &SideCondition) -> Option<Load> {
-    match side {
-        SideCondition::Pressure { value, .. } => Some(value.clone()),
-        SideCondition::Sealed | SideCondition::Flux(_) => None,
-    }
+/// Σ_j L_ij (p_j − p_i) of one row.
+#[inline]
+pub fn exchange(pattern: &Pattern, conductance: &[f64], pressure: &[f64], row: usize) -> f64 {
+    let range = pattern.row(row);
+    let own = pressure[row];
+    let entries = conductance[range.clone()].iter().zip(&pattern.columns[range]);
+    entries.map(|(value, &column)| value * (pressure[column as usize] - own)).sum()
 }
 
 /// Share of a family's weights beyond which its correction is not trusted.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub use cloud::{build_cloud, build_families};
 pub use error::ModelError;
-pub use flow::{FixedPressure, FlowModel};
+pub use flow::{FixedPressure, FlowModel, exchange};
 pub use sample::{Sample, sample};
 
 use crate::geometry::{Cloud, Vector};

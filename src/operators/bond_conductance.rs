@@ -106,6 +106,16 @@ impl<const D: usize> BondForm<D> for BondConductance<D> {
         self.geometric[bond] * 2.0 * small / (1.0 + small / large)
     }
 
+    /// Sum over the bonds of what each carries: the flux is continuous across jumps of the mobility.
+    fn flux(&self, owner: usize, mobility: &[f64], difference: &dyn Fn(usize) -> f64) -> Vector<D> {
+        let mut sum = Vector::zeros();
+        for bond in self.around.families.family(owner) {
+            let carried = self.conductance(owner, bond, mobility) * difference(bond);
+            sum -= self.around.bond_vector(owner, bond) * carried;
+        }
+        sum / self.around.cloud.volume[owner]
+    }
+
     fn bytes(&self) -> usize {
         8 * self.geometric.len()
     }

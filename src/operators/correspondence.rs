@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{BondForm, Coupling, Gradient, Neighbourhood};
-use crate::geometry::Matrix;
+use super::{BondForm, Coupling, Gradient, Neighbourhood, family_gradient};
+use crate::geometry::{Matrix, Vector};
 
 /// Correspondence diffusion operator; the mobility of the family's owner counts.
 #[derive(Debug, Clone)]
@@ -100,6 +100,16 @@ impl<const D: usize> BondForm<D> for Correspondence<D> {
                 ]
             }
         }
+    }
+
+    fn flux(&self, owner: usize, mobility: &[f64], difference: &dyn Fn(usize) -> f64) -> Vector<D> {
+        let corrected = self.second_hop.as_ref().and_then(|hop| hop.corrected.as_ref());
+        let Some(gradient) = corrected else {
+            return family_gradient(&self.around, owner, difference) * -mobility[owner];
+        };
+        let family = self.around.families.family(owner);
+        let slope: Vector<D> = family.map(|bond| gradient.weight[bond] * difference(bond)).sum();
+        slope * -mobility[owner]
     }
 
     fn bytes(&self) -> usize {

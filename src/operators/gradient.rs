@@ -38,7 +38,7 @@ fn plain_weight<const D: usize>(around: &Neighbourhood<D>, owner: usize, bond: u
 pub fn family_gradient<const D: usize>(
     around: &Neighbourhood<D>,
     owner: usize,
-    mut difference: impl FnMut(usize) -> f64,
+    difference: impl Fn(usize) -> f64,
 ) -> Vector<D> {
     let mut sum = Vector::zeros();
     for bond in around.families.family(owner) {

@@ -55,6 +55,11 @@ pub trait BondForm<const D: usize>: Send + Sync {
         [None, None]
     }
 
+    /// Flux −κ∇̃p of one family from its bond differences, m/s.
+    fn flux(&self, owner: usize, mobility: &[f64], difference: &dyn Fn(usize) -> f64) -> Vector<D> {
+        family_gradient(self.neighbourhood(), owner, difference) * -mobility[owner]
+    }
+
     /// Bytes held beyond the neighbourhood.
     fn bytes(&self) -> usize;
 }

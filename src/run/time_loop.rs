@@ -145,15 +145,14 @@ impl<const D: usize> Run<'_, D> {
                 Ok(report) => report,
                 Err(error) => {
                     self.rejected += 1;
-                    if matches!(error, StepError::Unstable { .. }) || !control.cut(1e-12 * plan.time.end) {
+                    if matches!(error, StepError::Unstable { .. }) || !control.cut(dt, 1e-12 * plan.time.end) {
                         return Err(self.failed(error));
                     }
                     continue;
                 }
             };
-            let shortened = dt < 0.999 * control.dt();
             let relative = report.error.map(|error| if range > 0.0 { error / range } else { 0.0 });
-            if !control.judge(relative, shortened) {
+            if !control.judge(relative, dt) {
                 self.rejected += 1;
                 continue;
             }
@@ -242,7 +241,7 @@ impl<const D: usize> Run<'_, D> {
 
     fn start_history(&mut self) -> Result<(), RunError> {
         match &mut self.writer {
-            Some(writer) => Ok(writer.start_history(self.plan, &self.model)?),
+            Some(writer) => Ok(writer.start_history::<D>(self.plan)?),
             None => Ok(()),
         }
     }

@@ -19,8 +19,6 @@ pub struct Writer {
     folder: PathBuf,
     pvd: Option<Pvd>,
     history: Option<History>,
-    probes: Vec<usize>,
-    columns: Vec<String>,
     rows: Vec<Vec<f64>>,
     outputs: usize,
     next_row: f64,
@@ -46,8 +44,6 @@ impl Writer {
             folder: folder.to_owned(),
             pvd: None,
             history: None,
-            probes: Vec::new(),
-            columns: Vec::new(),
             rows: Vec::new(),
             outputs: 0,
             next_row: f64::NEG_INFINITY,
@@ -63,13 +59,7 @@ impl Writer {
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn start_history<const D: usize>(
-        &mut self,
-        plan: &Plan,
-        model: &Model<D>,
-    ) -> Result<(), OutputError> {
-        let nearest = |at: &Vec<f64>| model.cloud.nearest(&vector(at)).unwrap_or(0);
-        self.probes = plan.output.probes.iter().map(|probe| nearest(&probe.at)).collect();
+    pub fn start_history<const D: usize>(&mut self, plan: &Plan) -> Result<(), OutputError> {
         let mut columns: Vec<String> =
             ["time_s", "step_s", "iterations", "pressure_min_Pa", "pressure_max_Pa"]
                 .map(str::to_owned)
@@ -80,7 +70,6 @@ impl Writer {
         columns.extend(["injected", "outflow", "stored"].map(|name| format!("{name}_{volume}")));
         columns.push("mass_balance".to_owned());
         self.history = Some(History::create(self.folder.join("history.csv"), &columns)?);
-        self.columns = columns;
         Ok(())
     }
 
@@ -105,9 +94,9 @@ impl Writer {
         let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
         let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut row = vec![state.time, dt, iterations as f64, low, high];
-        row.extend(self.probes.iter().zip(&plan.output.probes).map(|(&point, probe)| {
-            let away = vector::<D>(&probe.at) - model.cloud.position[point];
-            pressure[point] + model.flow.slope(pressure, state.time, point).dot(&away)
+        let probes = plan.output.probes.iter();
+        row.extend(probes.map(|probe| {
+            model.flow.pressure_at(pressure, state.time, &vector(&probe.at))
         }));
         row.extend(model.flow.outflow(pressure, state.time));
         row.extend([balance.injected, balance.outflow, balance.stored, balance.mass]);
@@ -303,7 +292,7 @@ impl Writer {
                 .map(|k| from + (to - from) * (k as f64 / (profile.points.max(2) - 1) as f64))
                 .collect();
             let distance: Vec<f64> = places.iter().map(|x| (x - from).norm()).collect();
-            let computed = interpolate(model, state, &places);
+            let computed: Vec<f64> = places.iter().map(|x| model.flow.pressure_at(&state.pressure, state.time, x)).collect();
             let reference: Option<Vec<f64>> = exact.as_ref().map(|exact| {
                 places.iter().map(|x| finite(exact.pressure(x.as_slice(), time))).collect()
             });
@@ -377,20 +366,6 @@ fn finite(value: f64) -> f64 {
 fn series<'a>(labels: &'a [String], x: &'a [f64], data: &'a [Vec<f64>]) -> Vec<Series<'a>> {
     let line = |(label, y): (&'a String, &'a Vec<f64>)| Series { label, x, y, style: LineStyle::Line };
     labels.iter().zip(data).map(line).collect()
-}
-
-/// Pressure at any place: the nearest point's value and slope.
-fn interpolate<const D: usize>(
-    model: &Model<D>,
-    state: &State,
-    places: &[Vector<D>],
-) -> Vec<f64> {
-    let value = |x: &Vector<D>| {
-        let point = model.cloud.nearest(x).unwrap_or(0);
-        let slope = model.flow.slope(&state.pressure, state.time, point);
-        state.pressure[point] + slope.dot(&(x - model.cloud.position[point]))
-    };
-    places.iter().map(value).collect()
 }
 
 /// All points in 2-D; in 3-D those of the layer nearest to the middle of the domain.

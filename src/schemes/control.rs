@@ -47,18 +47,19 @@ impl StepControl {
         self.fixed
     }
 
-    /// Judges a step by its error relative to the field's range; sets the next step. True accepts.
+    /// Judges a step of `tried` seconds by its error relative to the field's range; sets the next
+    /// step. True accepts.
     ///
-    /// A step `shortened` to end at a stop says nothing about whether the next could be longer.
-    pub fn judge(&mut self, relative_error: Option<f64>, shortened: bool) -> bool {
+    /// A step shortened to end at a stop says nothing about whether the next could be longer.
+    pub fn judge(&mut self, relative_error: Option<f64>, tried: f64) -> bool {
         let Some(error) = relative_error.filter(|_| !self.fixed) else { return true };
         let scaled = (error / self.tolerance).max(1e-10);
         if scaled > 1.0 {
-            self.dt *= (CAUTION * scaled.powf(-1.0 / self.order)).clamp(MOST_CUT, 0.7);
+            self.dt = tried * (CAUTION * scaled.powf(-1.0 / self.order)).clamp(MOST_CUT, 0.7);
             self.previous = None;
             return false;
         }
-        if shortened {
+        if tried < 0.999 * self.dt {
             return true;
         }
         let smooth = self.previous.map_or(1.0, |p: f64| p.powf(0.4 / self.order));
@@ -73,12 +74,13 @@ impl StepControl {
         true
     }
 
-    /// Cuts the step after a failure; false if that is not allowed or no longer sensible.
-    pub fn cut(&mut self, smallest: f64) -> bool {
-        if self.fixed || self.dt * 0.25 < smallest {
+    /// Cuts the step after a failure at `tried` seconds; false if that is not allowed or no longer
+    /// sensible.
+    pub fn cut(&mut self, tried: f64, smallest: f64) -> bool {
+        if self.fixed || tried * 0.25 < smallest {
             return false;
         }
-        self.dt *= 0.25;
+        self.dt = tried * 0.25;
         self.previous = None;
         true
     }
@@ -102,18 +104,18 @@ mod tests {
     #[test]
     fn a_step_that_is_about_right_is_kept_to_spare_a_factorisation() {
         let mut control = control();
-        assert!(control.judge(Some(0.5e-4), false));
+        assert!(control.judge(Some(0.5e-4), 1.0));
         assert!((control.dt() - 1.0).abs() < 0.1 || control.dt() < 1.0);
-        assert!(control.judge(Some(0.3e-4), false));
+        assert!(control.judge(Some(0.3e-4), control.dt()));
     }
 
     #[test]
     fn a_bad_step_is_rejected_and_cut_and_a_good_one_grows_to_its_bound() {
         let mut control = control();
-        assert!(!control.judge(Some(8e-4), false));
+        assert!(!control.judge(Some(8e-4), 1.0));
         assert!((control.dt() - 0.425).abs() < 1e-12);
         for _ in 0..20 {
-            assert!(control.judge(Some(1e-12), false));
+            assert!(control.judge(Some(1e-12), control.dt()));
         }
         assert!((control.dt() - 100.0).abs() < 1e-12);
     }

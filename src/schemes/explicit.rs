@@ -4,7 +4,7 @@ use perifrac_solvers::norm2;
 use rayon::prelude::*;
 
 use super::{Scheme, SchemeCounters, State, StepError, StepLimit, StepReport, diffusion_limit};
-use crate::model::{FlowModel, Model};
+use crate::model::{FlowModel, Model, exchange};
 
 /// Forward Euler.
 pub struct ForwardEuler {
@@ -86,18 +86,18 @@ impl ForwardEuler {
 fn advance<const D: usize>(
     flow: &FlowModel<D>,
     rate: &[f64],
-    dt: f64,
+    (time, dt): (f64, f64),
     old: &[f64],
     new: &mut [f64],
 ) {
-    let pattern = &flow.pattern;
+    let (pattern, conductance) = (&flow.pattern, &flow.conductance);
     new.par_iter_mut().enumerate().with_min_len(1024).for_each(|(row, new)| {
-        let range = pattern.row(row);
-        let values = &flow.conductance[range.clone()];
-        let columns = &pattern.columns[range];
-        let product: f64 = values.iter().zip(columns).map(|(v, &c)| v * old[c as usize]).sum();
-        *new = old[row] + dt * (rate[row] - product) / flow.capacity[row];
+        let imbalance = rate[row] - exchange(pattern, conductance, old, row);
+        *new = old[row] + dt * imbalance / flow.capacity[row];
     });
+    for wall in &flow.walls {
+        wall.each_rate(time, old, |point, rate| new[point] += dt * rate / flow.capacity[point]);
+    }
 }
 
 impl<const D: usize> Scheme<D> for ForwardEuler {
@@ -122,7 +122,7 @@ impl<const D: usize> Scheme<D> for ForwardEuler {
     ) -> Result<StepReport, StepError> {
         let flow = &model.flow;
         self.update_rate(flow, old.time);
-        advance(flow, &self.rate, dt, &old.pressure, &mut trial.pressure);
+        advance(flow, &self.rate, (old.time, dt), &old.pressure, &mut trial.pressure);
         self.counters.products += 1;
         trial.time = old.time + dt;
         let mut flows = crate::report::Flows::default();

@@ -4,7 +4,7 @@
 //! Increments are solved for, never pressures: the right-hand sides are imbalances, so a state of
 //! rest stays at rest to the last bit.
 
-use perifrac_solvers::{SolverSpec, multiply};
+use perifrac_solvers::{SolverSpec, dot};
 
 use super::{ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport};
 use crate::model::{FlowModel, Model};
@@ -46,11 +46,8 @@ impl Implicit {
     /// q(t) − L p.
     fn imbalance<const D: usize>(&mut self, flow: &FlowModel<D>, time: f64, p: &[f64]) -> Vec<f64> {
         let mut result = vec![0.0; p.len()];
-        let mut product = vec![0.0; p.len()];
-        flow.rate(time, &mut result);
-        multiply(flow.matrix(), p, &mut product);
+        flow.imbalance(time, p, &mut result);
         self.products += 1;
-        result.iter_mut().zip(&product).for_each(|(r, l)| *r -= l);
         result
     }
 
@@ -81,12 +78,13 @@ impl Implicit {
         for fixed in &flow.fixed {
             x[fixed.point] = flow.fixed_loads[fixed.load].at(time) - base[fixed.point];
         }
-        report.iterations += self.system.solve(flow, &mut rhs, &mut x)?.iterations;
+        report.iterations += self.system.solve(flow, &mut rhs, &mut x)?;
         self.increment.copy_from_slice(&x);
         Ok(x)
     }
 
-    /// Largest entry of (C + a L)⁻¹ rhs, the filtered error estimate; fixed points have none.
+    /// Root mean square over the volume of (C + a L)⁻¹ rhs, the filtered error estimate; fixed points
+    /// have none.
     fn estimate<const D: usize>(
         &mut self,
         flow: &FlowModel<D>,
@@ -94,8 +92,10 @@ impl Implicit {
         report: &mut StepReport,
     ) -> Result<f64, StepError> {
         let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.system.solve(flow, &mut rhs, &mut error)?.iterations;
-        Ok(error.iter().fold(0.0, |largest, e| e.abs().max(largest)))
+        report.iterations += self.system.solve(flow, &mut rhs, &mut error)?;
+        let volume = &flow.operator.neighbourhood().cloud.volume;
+        let weighted: Vec<f64> = error.iter().zip(volume).map(|(e, v)| e * v).collect();
+        Ok((dot(&weighted, &error) / volume.iter().sum::<f64>()).sqrt())
     }
 
     fn backward_euler<const D: usize>(
@@ -113,11 +113,7 @@ impl Implicit {
         let rhs = now.iter().map(|r| dt * r).collect();
         let step = self.solve(flow, trial.time, &old.pressure, rhs, &mut report)?;
         set_sum(&mut trial.pressure, &old.pressure, &step);
-        let end: Vec<f64> = if flow.fixed.is_empty() {
-            step.iter().zip(&flow.capacity).map(|(x, c)| c * x / dt).collect()
-        } else {
-            self.imbalance(flow, trial.time, &trial.pressure)
-        };
+        let end = self.imbalance(flow, trial.time, &trial.pressure);
         let half = end.iter().zip(&start).map(|(e, s)| 0.5 * dt * (e - s)).collect();
         report.error = Some(self.estimate(flow, half, &mut report)?);
         report.flows = weigh(flow, &[(dt, &trial.pressure, trial.time, &end)]);
@@ -144,9 +140,7 @@ impl Implicit {
         let first = self.solve(flow, middle_time, &old.pressure, rhs, &mut report)?;
         let mut middle = vec![0.0; first.len()];
         set_sum(&mut middle, &old.pressure, &first);
-        let halfway = self.stage_imbalance(flow, middle_time, &middle, |i| {
-            flow.capacity[i] * first[i] / a - start[i]
-        });
+        let halfway = self.imbalance(flow, middle_time, &middle);
         // Second stage: second backward difference, written as an increment over its predictor.
         let ratio = 1.0 / (GAMMA * (2.0 - GAMMA));
         let predictor: Vec<f64> =
@@ -155,8 +149,7 @@ impl Implicit {
         let second = self.solve(flow, end_time, &predictor, rhs, &mut report)?;
         set_sum(&mut trial.pressure, &predictor, &second);
         trial.time = end_time;
-        let end = self
-            .stage_imbalance(flow, end_time, &trial.pressure, |i| flow.capacity[i] * second[i] / a);
+        let end = self.imbalance(flow, end_time, &trial.pressure);
         report.error = Some(self.embedded(flow, dt, [&start, &halfway, &end], &mut report)?);
         let outer = 0.25 * std::f64::consts::SQRT_2 * dt;
         report.flows = weigh(
@@ -172,21 +165,6 @@ impl Implicit {
         close_fixed(flow, &mut report.flows, &whole);
         self.known[0] = Some((end_time, end));
         Ok(report)
-    }
-
-    /// Imbalance at a stage: from the stage equation itself where all points are free.
-    fn stage_imbalance<const D: usize>(
-        &mut self,
-        flow: &FlowModel<D>,
-        time: f64,
-        pressure: &[f64],
-        algebraic: impl Fn(usize) -> f64,
-    ) -> Vec<f64> {
-        if flow.fixed.is_empty() {
-            (0..pressure.len()).map(algebraic).collect()
-        } else {
-            self.imbalance(flow, time, pressure)
-        }
     }
 
     /// Difference to the embedded third-order formula (Hosea and Shampine 1996), filtered.

@@ -43,7 +43,7 @@ impl State {
 pub struct StepReport {
     /// Iterations of the linear solver.
     pub iterations: usize,
-    /// Largest estimated error of the step, Pa; `None` for a scheme without an estimate.
+    /// Estimated root mean square error of the step, Pa; `None` for a scheme without an estimate.
     pub error: Option<f64>,
     /// Volumes moved during the step.
     pub flows: Flows,

@@ -5,12 +5,11 @@
 //! the grounded pressure is zero exactly, so nothing else changes. The constant follows from the
 //! volume stored at the start, which a sealed part keeps.
 
-use perifrac_solvers::{SolverSpec, multiply};
+use perifrac_solvers::SolverSpec;
 
 use super::{ImplicitSystem, SchemeCounters, State, StepError, StepReport};
-use crate::geometry::Side;
+use crate::boundary::Wall;
 use crate::model::{FlowModel, Model};
-use crate::operators::Parity;
 
 /// Imbalance of a sealed part, relative to its gross rates, that counts as rounding.
 const BALANCED: f64 = 1e-9;
@@ -25,30 +24,29 @@ pub fn solve_steady<const D: usize>(
     state: &mut State,
 ) -> Result<(StepReport, SchemeCounters, (String, String)), StepError> {
     let flow = &model.flow;
-    let mut rate = vec![0.0; flow.points()];
-    flow.rate(state.time, &mut rate);
+    let mut imbalance = vec![0.0; flow.points()];
+    flow.rate(state.time, &mut imbalance);
     let parts = sealed_parts(flow);
-    check_balance(&parts, &rate)?;
+    check_balance(&parts, &imbalance)?;
     let mut system = ImplicitSystem::new(solver, flow)?;
     let ground: Vec<usize> = parts.iter().map(|part| part[0] as usize).collect();
     system.prepare(flow, 0.0, 1.0, &ground)?;
     let initial = state.pressure.clone();
+    flow.imbalance(state.time, &state.pressure, &mut imbalance);
+    let mut change = vec![0.0; flow.points()];
     for fixed in &flow.fixed {
-        state.pressure[fixed.point] = flow.fixed_loads[fixed.load].at(state.time);
+        change[fixed.point] =
+            flow.fixed_loads[fixed.load].at(state.time) - state.pressure[fixed.point];
     }
-    let mut rhs = rate.clone();
-    let solved = system.solve(flow, &mut rhs, &mut state.pressure)?;
+    let iterations = system.solve(flow, &mut imbalance, &mut change)?;
+    state.pressure.iter_mut().zip(&change).for_each(|(p, c)| *p += c);
     for part in &parts {
         keep_volume(flow, part, &initial, &mut state.pressure);
     }
     let mut flows = flow.flows(&state.pressure, state.time);
-    if !flow.fixed.is_empty() {
-        let mut product = vec![0.0; rate.len()];
-        multiply(flow.matrix(), &state.pressure, &mut product);
-        rate.iter_mut().zip(&product).for_each(|(r, p)| *r -= p);
-        flows.fixed = flow.fixed_inflow(&rate);
-    }
-    let report = StepReport { iterations: solved.iterations, error: None, flows };
+    flow.imbalance(state.time, &state.pressure, &mut imbalance);
+    flows.fixed = flow.fixed_inflow(&imbalance);
+    let report = StepReport { iterations, error: None, flows };
     let counters = SchemeCounters { products: 0, solver: system.counters().clone() };
     Ok((report, counters, system.chosen().clone()))
 }
@@ -57,9 +55,7 @@ pub fn solve_steady<const D: usize>(
 fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
     let mut anchored = vec![false; flow.points()];
     flow.fixed.iter().for_each(|fixed| anchored[fixed.point] = true);
-    if Side::all(D).any(|side| flow.extension.parity(side) == Parity::Odd) {
-        flow.operator.outlets(&flow.extension).iter().for_each(|&i| anchored[i as usize] = true);
-    }
+    flow.walls.iter().flat_map(Wall::points).for_each(|point| anchored[point] = true);
     let mut seen = vec![false; flow.points()];
     let mut sealed = Vec::new();
     for first in 0..flow.points() {

@@ -1,0 +1,75 @@
+//! What the integration tests share: bundled cases run through the library, as the program does.
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use perifrac::geometry::Vector;
+use perifrac::model::Model;
+use perifrac::plan::{Plan, resolve};
+use perifrac::report::Timers;
+use perifrac::run::{RunError, Summary, run};
+use perifrac::schemes::State;
+use perifrac::{cases, scene};
+
+/// Plan of a bundled case with `--set` values.
+pub fn plan(case: &str, overrides: &[&str]) -> Plan {
+    let text = cases::find(case).expect("bundled").scene;
+    plan_of(text, overrides)
+}
+
+/// Plan of a scene text with `--set` values.
+pub fn plan_of(text: &str, overrides: &[&str]) -> Plan {
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    let loaded = scene::load_str("test", text, Path::new(""), &overrides)
+        .unwrap_or_else(|errors| panic!("{errors}"));
+    resolve(&loaded, "test").unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+/// Runs a plan without writing anything.
+pub fn try_run(plan: &Plan) -> Result<(Summary, State), RunError> {
+    let interrupt = AtomicBool::new(false);
+    match plan.dimension {
+        2 => run::<2>(plan, None, &mut (), &interrupt),
+        _ => run::<3>(plan, None, &mut (), &interrupt),
+    }
+}
+
+/// Runs a bundled case without writing anything.
+pub fn run_case(case: &str, overrides: &[&str]) -> (Summary, State) {
+    try_run(&plan(case, overrides)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Runs a scene text without writing anything.
+pub fn run_text(text: &str, overrides: &[&str]) -> (Summary, State) {
+    try_run(&plan_of(text, overrides)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Pressures at the probes of a 2-D plan at its end.
+pub fn probe_values(plan: &Plan) -> Vec<f64> {
+    let (_, state) = try_run(plan).unwrap_or_else(|error| panic!("{error}"));
+    let model = model::<2>(plan);
+    let probes = plan.output.probes.iter();
+    let place = |at: &[f64]| Vector::<2>::new(at[0], at[1]);
+    probes.map(|p| model.flow.pressure_at(&state.pressure, state.time, &place(&p.at))).collect()
+}
+
+/// The model of a plan.
+pub fn model<const D: usize>(plan: &Plan) -> Model<D> {
+    Model::build(plan, &mut Timers::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Observed order from errors at successively halved spacings or steps.
+pub fn orders(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+}
+
+/// Largest difference of two fields.
+pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Smallest and largest value.
+pub fn extremes(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
+}

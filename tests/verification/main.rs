@@ -1,0 +1,13 @@
+//! Runs against exact solutions. Effort (factorisations, steps) is asserted beside the answer.
+#![allow(clippy::float_cmp)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod effects;
+mod five_spot;
+mod gravity;
+mod operators;
+mod patch;
+mod theis;
+mod two_layer;
