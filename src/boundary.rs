@@ -41,10 +41,12 @@ impl Wall {
     pub fn outflow(&self, time: f64, pressure: &[f64]) -> (f64, f64) {
         let own = self.pressure.at(time);
         let start = (self.seepage, self.seepage.abs());
-        self.response.iter().fold(start, |(net, gross), &(point, response)| {
-            let rate = response * (pressure[point as usize] - own);
-            (net + rate, gross + rate.abs())
-        })
+        self.response
+            .iter()
+            .fold(start, |(net, gross), &(point, response)| {
+                let rate = response * (pressure[point as usize] - own);
+                (net + rate, gross + rate.abs())
+            })
     }
 
     /// Points that the side reaches.
@@ -54,7 +56,9 @@ impl Wall {
 
     /// Adds each point's conductance to the side to `total`.
     pub fn add_leak(&self, total: &mut [f64]) {
-        self.response.iter().for_each(|&(point, response)| total[point as usize] += response);
+        self.response
+            .iter()
+            .for_each(|&(point, response)| total[point as usize] += response);
     }
 
     /// Bytes held.
@@ -71,7 +75,9 @@ pub fn walls<const D: usize>(
     mobility: &[f64],
     column: Option<&Column<D>>,
 ) -> Vec<Wall> {
-    let Some(flow) = &plan.flow else { return Vec::new() };
+    let Some(flow) = &plan.flow else {
+        return Vec::new();
+    };
     let families = &operator.neighbourhood().families;
     let seepage = column.map_or_else(
         || vec![0.0; 2 * D],
@@ -93,9 +99,17 @@ pub fn walls<const D: usize>(
             unit[side.index()] = 1.0;
             let offset = |_: usize, bond: usize| extension.wall_offset(families.image(bond), &unit);
             let force = operator.force(extension, mobility, &offset);
-            let response = (0_u32..).zip(force).filter(|(_, f)| *f != 0.0).map(|(i, f)| (i, -f));
+            let response = (0_u32..)
+                .zip(force)
+                .filter(|(_, f)| *f != 0.0)
+                .map(|(i, f)| (i, -f));
             let (pressure, response) = (value.clone(), response.collect());
-            Some(Wall { side, pressure, response, seepage: seepage[side.index()] })
+            Some(Wall {
+                side,
+                pressure,
+                response,
+                seepage: seepage[side.index()],
+            })
         })
         .collect()
 }

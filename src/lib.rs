@@ -6,24 +6,25 @@
 //! ```
 //!
 //! *Effects* act at points, *operators* act on bonds, *schemes* combine them over time, *backends*
-//! (crate `perifrac-solvers`) solve. Modules depend on each other in the order in which they stand
-//! here, never backwards; a test checks it.
+//! (crate `perifrac-solvers`) solve. Modules use only those before them in this order, which a test
+//! holds: load, geometry, material, reference, scene, plan, operators, assembly, report, effects,
+//! boundary, model, explain, schemes, output, run, cases, cli.
 
-pub mod load;
-pub mod geometry;
-pub mod material;
-pub mod reference;
-pub mod scene;
-pub mod plan;
-pub mod operators;
 pub mod assembly;
-pub mod report;
-pub mod effects;
 pub mod boundary;
-pub mod model;
-pub mod explain;
-pub mod schemes;
-pub mod output;
-pub mod run;
 pub mod cases;
 pub mod cli;
+pub mod effects;
+pub mod explain;
+pub mod geometry;
+pub mod load;
+pub mod material;
+pub mod model;
+pub mod operators;
+pub mod output;
+pub mod plan;
+pub mod reference;
+pub mod report;
+pub mod run;
+pub mod scene;
+pub mod schemes;

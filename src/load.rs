@@ -10,7 +10,10 @@ pub struct Load {
 impl Load {
     /// The same value for ever.
     pub fn constant(value: f64) -> Self {
-        Load { times: Vec::new(), values: vec![value] }
+        Load {
+            times: Vec::new(),
+            values: vec![value],
+        }
     }
 
     /// Values at increasing times in seconds; both lists have the same length of at least one.
@@ -38,7 +41,9 @@ impl Load {
 
     /// Whether the value never changes.
     pub fn is_constant(&self) -> bool {
-        self.values.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits())
+        self.values
+            .windows(2)
+            .all(|pair| pair[0].to_bits() == pair[1].to_bits())
     }
 
     /// All values of the table.
@@ -54,7 +59,13 @@ mod tests {
     #[test]
     fn a_table_is_linear_between_its_times_and_constant_beyond() {
         let load = Load::table(vec![1.0, 3.0, 4.0], vec![10.0, 20.0, 0.0]);
-        for (time, expected) in [(0.0, 10.0), (1.0, 10.0), (2.0, 15.0), (3.5, 10.0), (9.0, 0.0)] {
+        for (time, expected) in [
+            (0.0, 10.0),
+            (1.0, 10.0),
+            (2.0, 15.0),
+            (3.5, 10.0),
+            (9.0, 0.0),
+        ] {
             assert!((load.at(time) - expected).abs() < 1e-14, "at {time}");
         }
         assert!((Load::constant(7.0).at(-3.0) - 7.0).abs() < 1e-15);

@@ -47,7 +47,9 @@ pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
                 .into(),
         });
     }
-    let dimension = problem.coordinates.map_or(2, |coordinates| coordinates.dimension);
+    let dimension = problem
+        .coordinates
+        .map_or(2, |coordinates| coordinates.dimension);
     choose_by_size(problem.unknowns(), problem.entries_per_row(), dimension)
 }
 
@@ -55,11 +57,7 @@ pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
 ///
 /// # Errors
 /// None in practice: the specifications chosen from are valid.
-pub fn choose_by_size(
-    unknowns: usize,
-    width: f64,
-    dimension: usize,
-) -> Result<Choice, SolveError> {
+pub fn choose_by_size(unknowns: usize, width: f64, dimension: usize) -> Result<Choice, SolveError> {
     let limit = direct_limit(width, dimension);
     let (text, comparison) = if unknowns <= limit {
         ("faer-llt", format!("at most {limit}: a factor is cheapest"))

@@ -72,14 +72,22 @@ pub fn consistent_gradient<const D: usize>(
     let pattern = Pattern::new(&form)?;
     let layer = boundary_layer(around, one_sided);
     let mut corrected = plain.weight.clone();
-    let mut quality = Consistency { before: 0.0, after: 0.0, ratio: 0.0 };
+    let mut quality = Consistency {
+        before: 0.0,
+        after: 0.0,
+        ratio: 0.0,
+    };
     for axis in 0..D {
         let natural = natural_extension(around, axis, one_sided);
         let sign = |_: usize, bond: usize| natural.sign(around.families.image(bond));
-        let sums: Vec<f64> = column_sums(around, |a, b| if a == axis { plain.weight[b][a] } else { 0.0 }, sign)
-            .into_iter()
-            .map(|sum| sum[axis])
-            .collect();
+        let sums: Vec<f64> = column_sums(
+            around,
+            |a, b| if a == axis { plain.weight[b][a] } else { 0.0 },
+            sign,
+        )
+        .into_iter()
+        .map(|sum| sum[axis])
+        .collect();
         let target = targets(around, axis, one_sided, &layer, &sums);
         let rhs: Vec<f64> = target.iter().zip(&sums).map(|(t, s)| t - s).collect();
         quality.before = quality.before.max(relative(around, &rhs));
@@ -87,8 +95,16 @@ pub fn consistent_gradient<const D: usize>(
         let shift = if singular { SINGULAR_SHIFT } else { SHIFT };
         let lambda = multipliers(&form, &natural, &pattern, &rhs, shift)?;
         add_correction(around, &natural, &lambda, axis, &mut corrected);
-        let after = column_sums(around, |a, b| if a == axis { corrected[b][a] } else { 0.0 }, sign);
-        let left: Vec<f64> = after.iter().zip(&target).map(|(s, t)| s[axis] - t).collect();
+        let after = column_sums(
+            around,
+            |a, b| if a == axis { corrected[b][a] } else { 0.0 },
+            sign,
+        );
+        let left: Vec<f64> = after
+            .iter()
+            .zip(&target)
+            .map(|(s, t)| s[axis] - t)
+            .collect();
         quality.after = quality.after.max(relative(around, &left));
     }
     quality.ratio = correction_ratio(around, &plain.weight, &corrected);
@@ -108,14 +124,19 @@ fn natural_extension<const D: usize>(
             (false, false) => Parity::Even,
         })
         .collect();
-    let planes: Vec<f64> = Side::all(D).map(|side| around.cloud.domain.plane(side)).collect();
+    let planes: Vec<f64> = Side::all(D)
+        .map(|side| around.cloud.domain.plane(side))
+        .collect();
     Extension::new(&around.families.images, &parity, &planes)
 }
 
 /// Largest entry relative to the face of the point's cell.
 fn relative<const D: usize>(around: &Neighbourhood<D>, sums: &[f64]) -> f64 {
     let face = |point: usize| around.cloud.volume[point] / around.cloud.spacing(point);
-    sums.iter().enumerate().map(|(point, sum)| sum.abs() / face(point)).fold(0.0, f64::max)
+    sums.iter()
+        .enumerate()
+        .map(|(point, sum)| sum.abs() / face(point))
+        .fold(0.0, f64::max)
 }
 
 /// Points whose column sums feel a one-sided plane: those whose own horizon, or that of a point
@@ -123,14 +144,22 @@ fn relative<const D: usize>(around: &Neighbourhood<D>, sums: &[f64]) -> f64 {
 fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, one_sided: &[bool]) -> Vec<bool> {
     let domain = &around.cloud.domain;
     let crosses = |point: usize| {
-        Side::all(D).filter(|side| one_sided[side.index()]).any(|side| {
-            let gap = (around.cloud.position[point][side.axis] - domain.plane(side)).abs();
-            gap < around.families.horizon[point]
-        })
+        Side::all(D)
+            .filter(|side| one_sided[side.index()])
+            .any(|side| {
+                let gap = (around.cloud.position[point][side.axis] - domain.plane(side)).abs();
+                gap < around.families.horizon[point]
+            })
     };
     let crossing: Vec<bool> = (0..around.len()).map(crosses).collect();
     (0..around.len())
-        .map(|point| crossing[point] || around.families.dual(point).any(|(owner, _)| crossing[owner]))
+        .map(|point| {
+            crossing[point]
+                || around
+                    .families
+                    .dual(point)
+                    .any(|(owner, _)| crossing[owner])
+        })
         .collect()
 }
 
@@ -143,8 +172,11 @@ fn targets<const D: usize>(
     layer: &[bool],
     sums: &[f64],
 ) -> Vec<f64> {
-    let mut target: Vec<f64> =
-        sums.iter().zip(layer).map(|(sum, layer)| if *layer { *sum } else { 0.0 }).collect();
+    let mut target: Vec<f64> = sums
+        .iter()
+        .zip(layer)
+        .map(|(sum, layer)| if *layer { *sum } else { 0.0 })
+        .collect();
     let basis = null_functions(around, axis, one_sided);
     if basis.is_empty() {
         return target;
@@ -152,11 +184,20 @@ fn targets<const D: usize>(
     let size = basis.len();
     let weight: Vec<f64> = target.iter().map(|t| t.abs()).collect();
     let weighted = |f: &[f64], g: &[f64]| -> f64 {
-        weight.iter().zip(f).zip(g).map(|((w, f), g)| w * f * g).sum()
+        weight
+            .iter()
+            .zip(f)
+            .zip(g)
+            .map(|((w, f), g)| w * f * g)
+            .sum()
     };
     let matrix = nalgebra::DMatrix::from_fn(size, size, |a, b| weighted(&basis[a], &basis[b]));
     let rhs = nalgebra::DVector::from_fn(size, |a, _| {
-        basis[a].iter().zip(sums.iter().zip(&target)).map(|(f, (s, t))| f * (s - t)).sum()
+        basis[a]
+            .iter()
+            .zip(sums.iter().zip(&target))
+            .map(|(f, (s, t))| f * (s - t))
+            .sum()
     });
     if let Some(solution) = matrix.lu().solve(&rhs) {
         for (function, &amount) in basis.iter().zip(solution.iter()) {
@@ -175,10 +216,17 @@ fn null_functions<const D: usize>(
     one_sided: &[bool],
 ) -> Vec<Vec<f64>> {
     let mirrored = |a: usize| -> Vec<Side> {
-        Side::all(D).filter(|side| side.axis == a && !one_sided[side.index()]).collect()
+        Side::all(D)
+            .filter(|side| side.axis == a && !one_sided[side.index()])
+            .collect()
     };
     let coordinate = |a: usize, shift: f64| -> Vec<f64> {
-        around.cloud.position.iter().map(|x: &Vector<D>| x[a] - shift).collect()
+        around
+            .cloud
+            .position
+            .iter()
+            .map(|x: &Vector<D>| x[a] - shift)
+            .collect()
     };
     match mirrored(axis).as_slice() {
         [] => {
@@ -212,7 +260,12 @@ fn multipliers<const D: usize>(
     let largest = rhs.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     let mut lambda = vec![0.0; rhs.len()];
     let around = form.neighbourhood();
-    let face = around.cloud.volume.iter().copied().fold(f64::INFINITY, f64::min);
+    let face = around
+        .cloud
+        .volume
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
     if largest <= 1e-15 * face {
         return Ok(lambda);
     }
@@ -229,16 +282,23 @@ fn multipliers<const D: usize>(
     solver.analyse(&Problem {
         pattern: view(&shifted),
         symmetry: Symmetry::PositiveDefinite,
-        coordinates: Some(Coordinates { dimension: D, values: &coordinates }),
+        coordinates: Some(Coordinates {
+            dimension: D,
+            values: &coordinates,
+        }),
         unknowns_per_point: 1,
     })?;
     solver.refresh(view(&shifted))?;
-    let (mut residual, mut product, mut step) = (rhs.to_vec(), vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
+    let (mut residual, mut product, mut step) =
+        (rhs.to_vec(), vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
     for _ in 0..REFINEMENTS {
         solver.solve(view(&shifted), &residual, &mut step)?;
         lambda.iter_mut().zip(&step).for_each(|(l, s)| *l += s);
         multiply(view(&values), &lambda, &mut product);
-        residual.iter_mut().zip(rhs.iter().zip(&product)).for_each(|(r, (b, p))| *r = b - p);
+        residual
+            .iter_mut()
+            .zip(rhs.iter().zip(&product))
+            .for_each(|(r, (b, p))| *r = b - p);
         if residual.iter().all(|r| r.abs() < 1e-15 * largest) {
             break;
         }
@@ -256,8 +316,9 @@ fn add_correction<const D: usize>(
 ) {
     let families = &around.families;
     for owner in 0..around.len() {
-        let difference =
-            |b: usize| natural.sign(families.image(b)) * lambda[families.neighbour(b)] - lambda[owner];
+        let difference = |b: usize| {
+            natural.sign(families.image(b)) * lambda[families.neighbour(b)] - lambda[owner]
+        };
         let slope = family_gradient(around, owner, difference);
         for bond in families.family(owner) {
             let residual = difference(bond) - slope.dot(&around.bond_vector(owner, bond));

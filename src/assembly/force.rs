@@ -18,10 +18,18 @@ pub fn bond_force<const D: usize, F: BondForm<D>>(
 ) {
     let family = form.neighbourhood().families.family(owner);
     forces.clear();
-    forces.extend(family.zip(differences).map(|(bond, d)| form.conductance(owner, bond, mobility) * d));
+    forces.extend(
+        family
+            .zip(differences)
+            .map(|(bond, d)| form.conductance(owner, bond, mobility) * d),
+    );
     for term in form.coupling(owner, mobility).into_iter().flatten() {
-        let sum: crate::geometry::Vector<D> =
-            term.weight.iter().zip(differences).map(|(w, d)| w * *d).sum();
+        let sum: crate::geometry::Vector<D> = term
+            .weight
+            .iter()
+            .zip(differences)
+            .map(|(w, d)| w * *d)
+            .sum();
         let flux = term.stiffness * sum;
         for (force, weight) in forces.iter_mut().zip(term.weight) {
             *force += flux.dot(weight);
@@ -41,7 +49,10 @@ pub fn force<const D: usize, F: BondForm<D>>(
     let per_bond: Vec<f64> = (0..families.len())
         .into_par_iter()
         .flat_map_iter(|owner| {
-            let differences: Vec<f64> = families.family(owner).map(|b| difference(owner, b)).collect();
+            let differences: Vec<f64> = families
+                .family(owner)
+                .map(|b| difference(owner, b))
+                .collect();
             let mut forces = Vec::with_capacity(differences.len());
             bond_force(form, owner, mobility, &differences, &mut forces);
             forces
@@ -65,7 +76,9 @@ pub fn outlets<const D: usize, F: BondForm<D>>(form: &F, extension: &Extension<D
     let families = &form.neighbourhood().families;
     (0..families.len())
         .filter(|&owner| {
-            families.family(owner).any(|bond| extension.outlet(families.image(bond)).is_some())
+            families
+                .family(owner)
+                .any(|bond| extension.outlet(families.image(bond)).is_some())
         })
         .map(|owner| owner as u32)
         .collect()

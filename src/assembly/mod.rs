@@ -2,8 +2,8 @@
 
 mod consistency;
 mod force;
-mod pattern;
 mod operator;
+mod pattern;
 mod scalar;
 
 pub use consistency::{Consistency, ConsistencyError, consistent_gradient};

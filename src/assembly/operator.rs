@@ -72,7 +72,9 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
     }
 
     fn second_hops(&self) -> usize {
-        (0..BondForm::neighbourhood(self).len()).filter(|&owner| self.couples(owner)).count()
+        (0..BondForm::neighbourhood(self).len())
+            .filter(|&owner| self.couples(owner))
+            .count()
     }
 
     fn bytes(&self) -> usize {

@@ -35,23 +35,28 @@ impl Pattern {
         let rows = form.neighbourhood().len();
         let chunks: Vec<(Vec<u32>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
             .into_par_iter()
-            .map_init(|| Marker::new(rows), |marker, chunk| {
-                let (mut counts, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
-                for row in chunk * CHUNK..((chunk + 1) * CHUNK).min(rows) {
-                    let before = columns.len();
-                    marker.row(form, row, &mut columns);
-                    columns[before..].sort_unstable();
-                    counts.push((columns.len() - before) as u32);
-                }
-                (counts, columns)
-            })
+            .map_init(
+                || Marker::new(rows),
+                |marker, chunk| {
+                    let (mut counts, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
+                    for row in chunk * CHUNK..((chunk + 1) * CHUNK).min(rows) {
+                        let before = columns.len();
+                        marker.row(form, row, &mut columns);
+                        columns[before..].sort_unstable();
+                        counts.push((columns.len() - before) as u32);
+                    }
+                    (counts, columns)
+                },
+            )
             .collect();
         let nonzeros: usize = chunks.iter().map(|(_, columns)| columns.len()).sum();
         if nonzeros > u32::MAX as usize {
             return Err(PatternError { nonzeros });
         }
-        let mut pattern =
-            Pattern { offsets: vec![0], columns: Vec::with_capacity(nonzeros) };
+        let mut pattern = Pattern {
+            offsets: vec![0],
+            columns: Vec::with_capacity(nonzeros),
+        };
         let mut end = 0;
         for (counts, columns) in chunks {
             for count in counts {
@@ -98,10 +103,17 @@ struct Marker {
 
 impl Marker {
     fn new(rows: usize) -> Self {
-        Marker { seen: vec![u32::MAX; rows] }
+        Marker {
+            seen: vec![u32::MAX; rows],
+        }
     }
 
-    fn row<const D: usize, F: BondForm<D>>(&mut self, form: &F, row: usize, columns: &mut Vec<u32>) {
+    fn row<const D: usize, F: BondForm<D>>(
+        &mut self,
+        form: &F,
+        row: usize,
+        columns: &mut Vec<u32>,
+    ) {
         let families = &form.neighbourhood().families;
         self.mark(row, row, columns);
         for bond in families.family(row) {

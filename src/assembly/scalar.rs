@@ -45,7 +45,15 @@ pub fn fill<const D: usize, F: BondForm<D>>(
                 for (k, &column) in pattern.columns[at].iter().enumerate() {
                     place[column as usize] = k as u32;
                 }
-                Row { form, extension, mobility, row, place, values: slice }.fill();
+                Row {
+                    form,
+                    extension,
+                    mobility,
+                    row,
+                    place,
+                    values: slice,
+                }
+                .fill();
             }
         });
     });
@@ -68,13 +76,19 @@ impl<const D: usize, F: BondForm<D>> Row<'_, D, F> {
         for bond in families.family(self.row) {
             let conductance = self.form.conductance(self.row, bond, self.mobility);
             diagonal += conductance;
-            self.add(families.neighbour(bond), -self.extension.sign(families.image(bond)) * conductance);
+            self.add(
+                families.neighbour(bond),
+                -self.extension.sign(families.image(bond)) * conductance,
+            );
         }
         self.couple(self.row, None);
         for (owner, bond) in families.dual(self.row) {
             let conductance = self.form.conductance(owner, bond, self.mobility);
             diagonal += conductance;
-            self.add(owner, -self.extension.sign(families.image(bond)) * conductance);
+            self.add(
+                owner,
+                -self.extension.sign(families.image(bond)) * conductance,
+            );
             self.couple(owner, Some(bond));
         }
         self.add(self.row, diagonal);
@@ -88,7 +102,12 @@ impl<const D: usize, F: BondForm<D>> Row<'_, D, F> {
     /// one, from the owner itself.
     fn couple(&mut self, owner: usize, bond: Option<usize>) {
         if self.form.couples(owner) {
-            for term in self.form.coupling(owner, self.mobility).into_iter().flatten() {
+            for term in self
+                .form
+                .coupling(owner, self.mobility)
+                .into_iter()
+                .flatten()
+            {
                 self.couple_term(owner, bond, &term);
             }
         }
@@ -98,7 +117,9 @@ impl<const D: usize, F: BondForm<D>> Row<'_, D, F> {
         let families = &self.form.neighbourhood().families;
         let family = families.family(owner);
         let own = match bond {
-            Some(bond) => term.weight[bond - family.start] * self.extension.sign(families.image(bond)),
+            Some(bond) => {
+                term.weight[bond - family.start] * self.extension.sign(families.image(bond))
+            }
             None => -term.weight.iter().sum::<crate::geometry::Vector<D>>(),
         };
         let force = term.stiffness * own;
@@ -106,7 +127,10 @@ impl<const D: usize, F: BondForm<D>> Row<'_, D, F> {
         for (bond, weight) in family.zip(term.weight) {
             let entry = force.dot(weight);
             total += entry;
-            self.add(families.neighbour(bond), self.extension.sign(families.image(bond)) * entry);
+            self.add(
+                families.neighbour(bond),
+                self.extension.sign(families.image(bond)) * entry,
+            );
         }
         self.add(owner, -total);
     }

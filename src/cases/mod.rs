@@ -26,13 +26,28 @@ macro_rules! case {
 
 /// All bundled cases.
 pub const CASES: &[Case] = &[
-    case!("five-spot", "quarter of a confined five-spot (Sec. 5.3), transient to steady"),
-    case!("two-layer", "two layers in series with any permeability contrast"),
+    case!(
+        "five-spot",
+        "quarter of a confined five-spot (Sec. 5.3), transient to steady"
+    ),
+    case!(
+        "two-layer",
+        "two layers in series with any permeability contrast"
+    ),
     case!("channel", "a one-cell-wide channel of high permeability"),
     case!("heterogeneous", "log-normal permeability over six decades"),
-    case!("reservoir-3d", "a small five-spot in three dimensions with gravity"),
-    case!("theis", "a well in a wide aquifer, against the Theis solution"),
-    case!("manufactured", "a smooth solution with its own source, for convergence studies"),
+    case!(
+        "reservoir-3d",
+        "a small five-spot in three dimensions with gravity"
+    ),
+    case!(
+        "theis",
+        "a well in a wide aquifer, against the Theis solution"
+    ),
+    case!(
+        "manufactured",
+        "a smooth solution with its own source, for convergence studies"
+    ),
 ];
 
 /// The bundled case called `name`.

@@ -19,8 +19,10 @@ pub struct Args {
 /// Lists or writes cases.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let Some(name) = &args.write else {
-        let lines: Vec<String> =
-            CASES.iter().map(|case| format!("{:14} {}", case.name, case.summary)).collect();
+        let lines: Vec<String> = CASES
+            .iter()
+            .map(|case| format!("{:14} {}", case.name, case.summary))
+            .collect();
         return print(&lines.join("\n"));
     };
     let Some(case) = find(name) else {
@@ -42,5 +44,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     for (file, text) in [("scene.toml", case.scene), ("README.md", case.readme)] {
         write_atomically(folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }
-    print(&format!("wrote {0}/scene.toml; run it with: perifrac run {0}/scene.toml", case.name))
+    print(&format!(
+        "wrote {0}/scene.toml; run it with: perifrac run {0}/scene.toml",
+        case.name
+    ))
 }

@@ -20,6 +20,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => sample::<3>(&planned.plan),
     };
     let sampled = sampled.map_err(|error| planned.locate(&error))?;
-    planned.plan.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    print(&format!("{}: no faults found ({} points)", planned.plan.case, sampled.points))
+    planned
+        .plan
+        .warnings
+        .iter()
+        .for_each(|warning| eprintln!("warning: {warning}"));
+    print(&format!(
+        "{}: no faults found ({} points)",
+        planned.plan.case, sampled.points
+    ))
 }

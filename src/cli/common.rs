@@ -43,13 +43,24 @@ impl SceneArgs {
     pub fn plan(&self) -> Result<Planned, Failure> {
         let mut overrides = self.overrides.clone();
         let quoted = |value: &str| toml::Value::from(value).to_string();
-        overrides.extend(self.scheme.as_ref().map(|s| format!("scheme.name={}", quoted(s))));
-        overrides.extend(self.solver.as_ref().map(|s| format!("solver.name={}", quoted(s))));
+        overrides.extend(
+            self.scheme
+                .as_ref()
+                .map(|s| format!("scheme.name={}", quoted(s))),
+        );
+        overrides.extend(
+            self.solver
+                .as_ref()
+                .map(|s| format!("solver.name={}", quoted(s))),
+        );
         let path = Path::new(&self.scene);
         let (case, loaded) = match cases::find(&self.scene).filter(|_| !path.is_file()) {
             Some(case) => {
                 let name = format!("{} (bundled case)", case.name);
-                (case.name.to_owned(), scene::load_str(&name, case.scene, Path::new(""), &overrides)?)
+                (
+                    case.name.to_owned(),
+                    scene::load_str(&name, case.scene, Path::new(""), &overrides)?,
+                )
             }
             None if path.exists() || looks_like_path(&self.scene) => {
                 (case_name(path), scene::load_file(path, &overrides)?)
@@ -77,11 +88,17 @@ fn unknown_case(name: &str) -> Failure {
 
 /// Name of a case from its path: the file's, or its folder's for a file called scene.toml.
 fn case_name(path: &Path) -> String {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let stem = path
+        .file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned());
     match stem.as_deref() {
         Some("scene") => std::path::absolute(path)
             .ok()
-            .and_then(|path| path.parent()?.file_name().map(|n| n.to_string_lossy().into_owned()))
+            .and_then(|path| {
+                path.parent()?
+                    .file_name()
+                    .map(|n| n.to_string_lossy().into_owned())
+            })
             .unwrap_or_else(|| "scene".to_owned()),
         Some(stem) => stem.to_owned(),
         None => "scene".to_owned(),
@@ -115,17 +132,23 @@ impl Planned {
             ModelError::EmptyRegion { material: name } => {
                 material(name)?.region.as_ref().map(|region| region.span)
             }
-            ModelError::EmptyPressureRegion { number } => {
-                scene.flow.as_ref()?.regions.get(number - 1).map(|region| region.region.span)
+            ModelError::EmptyPressureRegion { number } => scene
+                .flow
+                .as_ref()?
+                .regions
+                .get(number - 1)
+                .map(|region| region.region.span),
+            ModelError::TableLength { path, .. } => {
+                scene
+                    .materials
+                    .iter()
+                    .find_map(|entry| match &entry.value.permeability.value {
+                        scene::PermeabilityField::File(file) if file.file.value == *path => {
+                            Some(file.file.span)
+                        }
+                        _ => None,
+                    })
             }
-            ModelError::TableLength { path, .. } => scene.materials.iter().find_map(|entry| {
-                match &entry.value.permeability.value {
-                    scene::PermeabilityField::File(file) if file.file.value == *path => {
-                        Some(file.file.span)
-                    }
-                    _ => None,
-                }
-            }),
             ModelError::Points { .. } | ModelError::UnknownMaterial { .. } => {
                 Some(scene.geometry.span)
             }

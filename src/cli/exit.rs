@@ -87,5 +87,7 @@ impl From<OutputError> for Failure {
 /// Prints to standard output; a closed pipe ends the program quietly.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()).map_err(|_| Failure::Broken)
+    writeln!(stdout, "{}", text.trim_end())
+        .and_then(|()| stdout.flush())
+        .map_err(|_| Failure::Broken)
 }

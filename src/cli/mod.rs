@@ -17,10 +17,12 @@ use clap::{CommandFactory, Parser, Subcommand};
 /// Implicit peridynamic simulator for flow in porous rock.
 #[derive(Debug, Parser)]
 #[command(name = "perifrac", version, max_term_width = 100)]
-#[command(after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
+#[command(
+    after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
                         Precedence: defaults < scene < --set < the other flags.\n\
                         Exit codes: 0 done, 1 run failed, 2 usage, 3 scene, 4 not converged, \
-                        130 interrupted.")]
+                        130 interrupted."
+)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,

@@ -33,7 +33,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let planned = args.scene.plan()?;
     set_threads(args.threads)?;
-    let folder = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
+    let folder = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
     let mut writer = Writer::create(&folder, &planned.loaded.resolved_toml())?;
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = interrupt.clone();
@@ -53,7 +56,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.quiet {
         return Ok(());
     }
-    print(&format!("{}results in {}", describe(&summary), writer.folder().display()))
+    print(&format!(
+        "{}results in {}",
+        describe(&summary),
+        writer.folder().display()
+    ))
 }
 
 fn failure(planned: &Planned, error: RunError) -> Failure {
@@ -64,11 +71,15 @@ fn failure(planned: &Planned, error: RunError) -> Failure {
 }
 
 fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
+    let Some(threads) = threads else {
+        return Ok(());
+    };
     if threads == 0 {
         return Err(Failure::Usage("--threads must be at least 1".to_owned()));
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global();
     pool.map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))
 }
 
@@ -89,6 +100,9 @@ fn describe(summary: &Summary) -> String {
             error.l2, error.max
         );
     }
-    text += &format!("  mass balance: {:.1e} of the turnover\n", summary.balance.mass);
+    text += &format!(
+        "  mass balance: {:.1e} of the turnover\n",
+        summary.balance.mass
+    );
     text
 }

@@ -10,7 +10,8 @@ pub struct Args {}
 
 /// Lists solvers and options.
 pub fn run(_args: &Args) -> Result<(), Failure> {
-    let mut text = String::from("Choose with --solver NAME or --solver NAME:key=value,key=value\n\n");
+    let mut text =
+        String::from("Choose with --solver NAME or --solver NAME:key=value,key=value\n\n");
     for backend in BACKENDS {
         text += &format!("{:10} {}\n", backend.name, backend.summary);
         let kinds: Vec<String> = backend.symmetries.iter().map(ToString::to_string).collect();

@@ -6,8 +6,8 @@
 use super::{Context, Effect, EffectError, sides_with};
 use crate::geometry::Side;
 use crate::operators::Parity;
-use crate::plan::SideCondition;
 use crate::plan::Load;
+use crate::plan::SideCondition;
 
 /// One side: its flux over time and the area that every point presents to it.
 struct Flux {
@@ -19,13 +19,21 @@ struct Flux {
 pub(super) fn build<const D: usize>(
     context: &Context<'_, D>,
 ) -> Result<Vec<Box<dyn Effect>>, EffectError> {
-    let Some(flow) = &context.plan.flow else { return Ok(Vec::new()) };
+    let Some(flow) = &context.plan.flow else {
+        return Ok(Vec::new());
+    };
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     for side in sides_with(context.extension, Parity::OneSided) {
-        let SideCondition::Flux(flux) = &flow.sides[side.index()] else { continue };
+        let SideCondition::Flux(flux) = &flow.sides[side.index()] else {
+            continue;
+        };
         let area = areas(context, side);
         let total = area.iter().map(|(_, area)| area).sum();
-        effects.push(Box::new(Flux { flux: flux.clone(), area, total }));
+        effects.push(Box::new(Flux {
+            flux: flux.clone(),
+            area,
+            total,
+        }));
     }
     Ok(effects)
 }
@@ -36,7 +44,9 @@ fn areas<const D: usize>(context: &Context<'_, D>, side: Side) -> Vec<(u32, f64)
     let around = context.operator.neighbourhood();
     let (cloud, horizon) = (&around.cloud, &around.families.horizon);
     let normal = |owner: usize, bond: usize| around.bond_vector(owner, bond)[side.axis];
-    let force = context.operator.force(context.extension, &vec![1.0; around.len()], &normal);
+    let force = context
+        .operator
+        .force(context.extension, &vec![1.0; around.len()], &normal);
     // Points feel a side through points one horizon away, which themselves see one horizon further.
     let layer = |point: usize| {
         (cloud.position[point][side.axis] - cloud.domain.plane(side)).abs() < 2.0 * horizon[point]

@@ -31,9 +31,21 @@ impl<const D: usize> Column<D> {
         let sides = plan.flow.as_ref().map_or(&[][..], |flow| &flow.sides);
         let hydrostatic = sides
             .iter()
-            .map(|side| matches!(side, SideCondition::Pressure { hydrostatic: true, .. }))
+            .map(|side| {
+                matches!(
+                    side,
+                    SideCondition::Pressure {
+                        hydrostatic: true,
+                        ..
+                    }
+                )
+            })
             .collect();
-        Some(Column { weight, hydrostatic, datum })
+        Some(Column {
+            weight,
+            hydrostatic,
+            datum,
+        })
     }
 
     /// Hydrostatic pressure at `x` above that at the highest point, Pa.
@@ -79,13 +91,25 @@ struct Gravity {
 pub(super) fn build<const D: usize>(
     context: &Context<'_, D>,
 ) -> Result<Vec<Box<dyn Effect>>, EffectError> {
-    let Some(column) = context.column else { return Ok(Vec::new()) };
+    let Some(column) = context.column else {
+        return Ok(Vec::new());
+    };
     let around = context.operator.neighbourhood();
     let difference = |owner: usize, bond: usize| {
-        column.difference(&around.cloud, &around.families, context.extension, owner, bond)
+        column.difference(
+            &around.cloud,
+            &around.families,
+            context.extension,
+            owner,
+            bond,
+        )
     };
-    let force = context.operator.force(context.extension, context.mobility, &difference);
-    Ok(vec![Box::new(Gravity { rate: force.into_iter().map(|f| -f).collect() })])
+    let force = context
+        .operator
+        .force(context.extension, context.mobility, &difference);
+    Ok(vec![Box::new(Gravity {
+        rate: force.into_iter().map(|f| -f).collect(),
+    })])
 }
 
 impl Effect for Gravity {
@@ -94,7 +118,9 @@ impl Effect for Gravity {
     }
 
     fn add_rate(&self, _time: f64, rate: &mut [f64]) {
-        rate.iter_mut().zip(&self.rate).for_each(|(total, own)| *total += own);
+        rate.iter_mut()
+            .zip(&self.rate)
+            .for_each(|(total, own)| *total += own);
     }
 
     fn bytes(&self) -> usize {

@@ -125,7 +125,10 @@ pub struct Counted {
 
 impl Counted {
     fn new(effect: Box<dyn Effect>) -> Self {
-        Counted { effect, evaluations: AtomicU64::new(0) }
+        Counted {
+            effect,
+            evaluations: AtomicU64::new(0),
+        }
     }
 
     /// Adds the rate and counts.
@@ -150,7 +153,9 @@ fn sides_with<const D: usize>(
     extension: &Extension<D>,
     parity: Parity,
 ) -> impl Iterator<Item = Side> {
-    let found: Vec<Side> = Side::all(D).filter(|&side| extension.parity(side) == parity).collect();
+    let found: Vec<Side> = Side::all(D)
+        .filter(|&side| extension.parity(side) == parity)
+        .collect();
     found.into_iter()
 }
 

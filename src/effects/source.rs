@@ -29,7 +29,11 @@ pub(super) fn build<const D: usize>(
 
 impl<const D: usize> ManufacturedSource<D> {
     fn at(&self, point: usize, time: f64) -> f64 {
-        self.volume[point] * self.solution.source(self.position[point].as_slice(), time).unwrap_or(0.0)
+        self.volume[point]
+            * self
+                .solution
+                .source(self.position[point].as_slice(), time)
+                .unwrap_or(0.0)
     }
 }
 
@@ -39,15 +43,21 @@ impl<const D: usize> Effect for ManufacturedSource<D> {
     }
 
     fn add_rate(&self, time: f64, rate: &mut [f64]) {
-        rate.iter_mut().enumerate().for_each(|(point, own)| *own += self.at(point, time));
+        rate.iter_mut()
+            .enumerate()
+            .for_each(|(point, own)| *own += self.at(point, time));
     }
 
     fn injection(&self, time: f64) -> f64 {
-        (0..self.volume.len()).map(|point| self.at(point, time)).sum()
+        (0..self.volume.len())
+            .map(|point| self.at(point, time))
+            .sum()
     }
 
     fn gross(&self, time: f64) -> f64 {
-        (0..self.volume.len()).map(|point| self.at(point, time).abs()).sum()
+        (0..self.volume.len())
+            .map(|point| self.at(point, time).abs())
+            .sum()
     }
 
     fn is_constant(&self) -> bool {

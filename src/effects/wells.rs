@@ -6,11 +6,11 @@
 //! across a sealed plane it does not stand on, its mirror well feeds back what is lost.
 
 use super::{Context, Effect, EffectError, vector};
-use crate::geometry::{Vector};
-use crate::operators::{Neighbourhood, Parity};
-use crate::plan::WellPlan;
 use crate::geometry::Side;
+use crate::geometry::Vector;
+use crate::operators::{Neighbourhood, Parity};
 use crate::plan::Load;
+use crate::plan::WellPlan;
 
 struct Well {
     rate: Load,
@@ -47,7 +47,8 @@ pub(super) fn build<const D: usize>(
 /// Eq. 77 with the spacing and horizon of the nearest point.
 fn radius<const D: usize>(around: &Neighbourhood<D>, well: &WellPlan) -> f64 {
     let nearest = around.cloud.nearest(&vector(&well.at)).unwrap_or(0);
-    let equation = 0.385 * around.families.horizon[nearest] + 1.2925 * around.cloud.spacing(nearest);
+    let equation =
+        0.385 * around.families.horizon[nearest] + 1.2925 * around.cloud.spacing(nearest);
     well.radius.unwrap_or(equation)
 }
 
@@ -61,8 +62,11 @@ impl Well {
         let images = well_images(context, &vector(&well.at), radius);
         let mut share = Vec::new();
         for (point, x) in cloud.position.iter().enumerate() {
-            let weight: f64 =
-                images.places.iter().map(|well| kernel((x - well).norm(), radius)).sum();
+            let weight: f64 = images
+                .places
+                .iter()
+                .map(|well| kernel((x - well).norm(), radius))
+                .sum();
             if weight > 0.0 {
                 share.push((point as u32, weight * cloud.volume[point]));
             }
@@ -74,13 +78,21 @@ impl Well {
         }
         let inside = images.inside;
         share.iter_mut().for_each(|(_, s)| *s *= inside / sum);
-        Ok(Well { rate: well.rate.clone(), share, inside })
+        Ok(Well {
+            rate: well.rate.clone(),
+            share,
+            inside,
+        })
     }
 }
 
 /// Shape of Eq. 78; its factor cancels in the normalisation.
 fn kernel(distance: f64, radius: f64) -> f64 {
-    if distance < radius { 1.0 + (std::f64::consts::PI * distance / radius).cos() } else { 0.0 }
+    if distance < radius {
+        1.0 + (std::f64::consts::PI * distance / radius).cos()
+    } else {
+        0.0
+    }
 }
 
 struct WellImages<const D: usize> {
@@ -97,7 +109,10 @@ fn well_images<const D: usize>(
     radius: f64,
 ) -> WellImages<D> {
     let domain = &context.operator.neighbourhood().cloud.domain;
-    let mut images = WellImages { places: vec![*at], inside: 1.0 };
+    let mut images = WellImages {
+        places: vec![*at],
+        inside: 1.0,
+    };
     let sealed = |side: &Side| domain.planes && context.extension.parity(*side) == Parity::Even;
     for side in Side::all(D).filter(sealed) {
         let gap = (at[side.axis] - domain.plane(side)).abs();

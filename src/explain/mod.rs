@@ -131,7 +131,10 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
 }
 
 fn reason(name: impl Into<String>, why: impl Into<String>) -> Reason {
-    Reason { name: name.into(), why: why.into() }
+    Reason {
+        name: name.into(),
+        why: why.into(),
+    }
 }
 
 fn effects(plan: &Plan) -> Vec<Reason> {
@@ -141,23 +144,34 @@ fn effects(plan: &Plan) -> Vec<Reason> {
     }
     if !plan.wells.is_empty() {
         let names: Vec<&str> = plan.wells.iter().map(|well| well.name.as_str()).collect();
-        effects.push(reason("wells", format!("[wells] names {}", names.join(", "))));
+        effects.push(reason(
+            "wells",
+            format!("[wells] names {}", names.join(", ")),
+        ));
     }
     effects
 }
 
 fn operator(plan: &Plan, sample: &Sample) -> Reason {
-    let Some(flow) = &plan.flow else { return reason("none", "no [flow]") };
+    let Some(flow) = &plan.flow else {
+        return reason("none", "no [flow]");
+    };
     let reach = match sample.second_hop {
         true => "two hops",
         false if flow.operator == OperatorChoice::Bond => "one hop, harmonic mean per bond",
-        false => "one hop: its second hop vanishes on isotropic families with this hourglass factor",
+        false => {
+            "one hop: its second hop vanishes on isotropic families with this hourglass factor"
+        }
     };
     let name = match flow.operator {
         OperatorChoice::Correspondence => "correspondence",
         OperatorChoice::Bond => "bond",
     };
-    let gradient = if sample.corrected { ", divergence-consistent gradient" } else { "" };
+    let gradient = if sample.corrected {
+        ", divergence-consistent gradient"
+    } else {
+        ""
+    };
     reason(name, format!("{reach}{gradient}"))
 }
 
@@ -170,7 +184,10 @@ fn scheme(plan: &Plan) -> Reason {
         (SchemeChoice::Explicit, _) => {
             format!("steps of {} × the stability limit", plan.time.safety)
         }
-        _ => format!("adaptive steps, error of a step ≤ {:.1e} of the range", plan.time.tolerance),
+        _ => format!(
+            "adaptive steps, error of a step ≤ {:.1e} of the range",
+            plan.time.tolerance
+        ),
     };
     match plan.scheme {
         SchemeChoice::Explicit => reason("explicit forward-euler", steps),
@@ -196,7 +213,11 @@ fn solver(plan: &Plan, sample: &Sample) -> Reason {
 /// Fill of a factor with nested dissection per nonzero of the matrix, from measured factors: about
 /// n log n in 2-D and n^(4/3) in 3-D.
 fn factor_bytes(points: f64, nonzeros: f64, dimension: usize) -> f64 {
-    let growth = if dimension == 2 { 0.45 * points.log2() } else { 0.55 * points.cbrt() };
+    let growth = if dimension == 2 {
+        0.45 * points.log2()
+    } else {
+        0.55 * points.cbrt()
+    };
     12.0 * nonzeros * growth.max(1.0)
 }
 
@@ -208,7 +229,11 @@ fn memory<const D: usize>(plan: &Plan, sample: &Sample, direct: bool) -> Memory 
     let gradients = f64::from(sample.second_hop) * bonds * 8.0 * D as f64;
     let gradients = gradients * if sample.corrected { 2.0 } else { 1.0 };
     let matrices = sample.nonzeros * points * if implicit { 20.0 } else { 12.0 };
-    let factor = if direct && implicit { factor_bytes(points, sample.nonzeros * points, D) } else { 0.0 };
+    let factor = if direct && implicit {
+        factor_bytes(points, sample.nonzeros * points, D)
+    } else {
+        0.0
+    };
     let fields = points * 8.0 * (2.0 * D as f64 + 16.0);
     Memory {
         bonds: bond_bytes as u64,
@@ -253,14 +278,34 @@ fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
     };
     let slowest = sample.extent.powi(2) / sample.diffusivity[0];
     let mut numbers = vec![
-        number("contrast", sample.mobility[1] / sample.mobility[0], "largest over smallest mobility"),
-        number("horizon ratio", sample.horizon[1] / sample.spacing[1], "δ/Δx of the coarsest points"),
-        number("grading", sample.spacing[1] / sample.spacing[0], "largest over smallest spacing"),
+        number(
+            "contrast",
+            sample.mobility[1] / sample.mobility[0],
+            "largest over smallest mobility",
+        ),
+        number(
+            "horizon ratio",
+            sample.horizon[1] / sample.spacing[1],
+            "δ/Δx of the coarsest points",
+        ),
+        number(
+            "grading",
+            sample.spacing[1] / sample.spacing[0],
+            "largest over smallest spacing",
+        ),
     ];
     if plan.time.mode == TimeMode::Transient {
-        numbers.push(number("Fourier", plan.time.end / slowest, "end over diffusion time L²s/κ"));
+        numbers.push(number(
+            "Fourier",
+            plan.time.end / slowest,
+            "end over diffusion time L²s/κ",
+        ));
         let stiffness = plan.time.end / sample.explicit_limit;
-        numbers.push(number("stiffness", stiffness, "end over the explicit step limit"));
+        numbers.push(number(
+            "stiffness",
+            stiffness,
+            "end over the explicit step limit",
+        ));
     }
     numbers
 }

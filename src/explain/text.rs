@@ -15,13 +15,20 @@ impl fmt::Display for Explanation {
             range(self.spacing, "m"),
             range(self.horizon, "m")
         )?;
-        let materials: Vec<String> =
-            self.materials.iter().map(|(name, count)| format!("{name} ({count})")).collect();
+        let materials: Vec<String> = self
+            .materials
+            .iter()
+            .map(|(name, count)| format!("{name} ({count})"))
+            .collect();
         writeln!(f, "  materials  {}", materials.join(", "))?;
         for effect in &self.effects {
             writeln!(f, "  effect     {} because {}", effect.name, effect.why)?;
         }
-        writeln!(f, "  operator   {}: {}", self.operator.name, self.operator.why)?;
+        writeln!(
+            f,
+            "  operator   {}: {}",
+            self.operator.name, self.operator.why
+        )?;
         writeln!(f, "  scheme     {}: {}", self.scheme.name, self.scheme.why)?;
         writeln!(f, "  solver     {}: {}", self.solver.name, self.solver.why)?;
         writeln!(
@@ -44,15 +51,25 @@ impl fmt::Display for Explanation {
         )?;
         for limit in &self.limits {
             if limit.dt.is_finite() {
-                let steps = limit.steps.map_or(String::new(), |n| format!(" ({} steps)", grouped(n)));
+                let steps = limit
+                    .steps
+                    .map_or(String::new(), |n| format!(" ({} steps)", grouped(n)));
                 let (scheme, dt) = (&limit.scheme, limit.dt);
-                writeln!(f, "  limit      {scheme} Δt ≤ {dt:.4e} s{steps}: {}", limit.limiter)?;
+                writeln!(
+                    f,
+                    "  limit      {scheme} Δt ≤ {dt:.4e} s{steps}: {}",
+                    limit.limiter
+                )?;
             } else {
                 writeln!(f, "  limit      {}: {}", limit.scheme, limit.limiter)?;
             }
         }
         for number in &self.numbers {
-            writeln!(f, "  number     {} = {:.3e}, {}", number.name, number.value, number.meaning)?;
+            writeln!(
+                f,
+                "  number     {} = {:.3e}, {}",
+                number.name, number.value, number.meaning
+            )?;
         }
         for warning in &self.warnings {
             writeln!(f, "  warning    {warning}")?;

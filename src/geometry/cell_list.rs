@@ -57,7 +57,10 @@ impl<const D: usize> CellList<D> {
             order[cursor[c] as usize] = index as u32;
             cursor[c] += 1;
         }
-        self.position = order.iter().map(|&index| positions[index as usize]).collect();
+        self.position = order
+            .iter()
+            .map(|&index| positions[index as usize])
+            .collect();
         self.start = start;
         self.order = order;
     }
@@ -68,7 +71,9 @@ impl<const D: usize> CellList<D> {
     }
 
     fn cell(&self, x: &Vector<D>) -> usize {
-        (0..D).rev().fold(0, |cell, axis| cell * self.cells[axis] + self.along(axis, x[axis]))
+        (0..D).rev().fold(0, |cell, axis| {
+            cell * self.cells[axis] + self.along(axis, x[axis])
+        })
     }
 
     /// Calls `visit(index, squared distance)` for every point within `radius` of `x`.
@@ -78,7 +83,9 @@ impl<const D: usize> CellList<D> {
         let limit = radius * radius;
         let mut at = low;
         loop {
-            let row = (1..D).rev().fold(0, |cell, axis| (cell + at[axis]) * self.cells[axis - 1]);
+            let row = (1..D)
+                .rev()
+                .fold(0, |cell, axis| (cell + at[axis]) * self.cells[axis - 1]);
             let (first, last) = (row + low[0], row + high[0]);
             for k in self.start[first] as usize..self.start[last + 1] as usize {
                 let squared = (self.position[k] - x).norm_squared();
@@ -86,7 +93,9 @@ impl<const D: usize> CellList<D> {
                     visit(self.order[k], squared);
                 }
             }
-            let Some(axis) = (1..D).find(|&axis| at[axis] < high[axis]) else { return };
+            let Some(axis) = (1..D).find(|&axis| at[axis] < high[axis]) else {
+                return;
+            };
             at[axis] += 1;
             at[1..axis].copy_from_slice(&low[1..axis]);
         }
@@ -100,7 +109,9 @@ mod tests {
 
     fn brute<const D: usize>(points: &[Vector<D>], x: &Vector<D>, radius: f64) -> Vec<u32> {
         let near = |p: &Vector<D>| (p - x).norm_squared() <= radius * radius;
-        (0..points.len() as u32).filter(|&i| near(&points[i as usize])).collect()
+        (0..points.len() as u32)
+            .filter(|&i| near(&points[i as usize]))
+            .collect()
     }
 
     proptest! {

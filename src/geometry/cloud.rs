@@ -21,13 +21,20 @@ impl<const D: usize> Domain<D> {
 
     /// Coordinate of a side along its own axis, in metres.
     pub fn plane(&self, side: Side) -> f64 {
-        if side.upper { self.upper[side.axis] } else { self.lower[side.axis] }
+        if side.upper {
+            self.upper[side.axis]
+        } else {
+            self.lower[side.axis]
+        }
     }
 
     /// Area of a side (length in 2-D), in metres to the power `D − 1`.
     pub fn area(&self, side: Side) -> f64 {
         let size = self.size();
-        (0..D).filter(|&axis| axis != side.axis).map(|axis| size[axis]).product()
+        (0..D)
+            .filter(|&axis| axis != side.axis)
+            .map(|axis| size[axis])
+            .product()
     }
 }
 
@@ -66,7 +73,10 @@ impl<const D: usize> Cloud<D> {
 
     /// Positions one after another, shape `(n × D,)`, in metres.
     pub fn flat_positions(&self) -> Vec<f64> {
-        self.position.iter().flat_map(|x| x.iter().copied()).collect()
+        self.position
+            .iter()
+            .flat_map(|x| x.iter().copied())
+            .collect()
     }
 
     /// Index of the point nearest to `target` (metres); the lowest index where several tie.
@@ -79,7 +89,9 @@ impl<const D: usize> Cloud<D> {
 
     /// All points as near to `target` (metres) as the nearest one, up to rounding.
     pub fn all_nearest(&self, target: &Vector<D>) -> Vec<usize> {
-        let Some(first) = self.nearest(target) else { return Vec::new() };
+        let Some(first) = self.nearest(target) else {
+            return Vec::new();
+        };
         let limit = (self.position[first] - target).norm() + 1e-6 * self.spacing(first);
         let near = |&i: &usize| (self.position[i] - target).norm() <= limit;
         (0..self.len()).filter(near).collect()

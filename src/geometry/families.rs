@@ -18,7 +18,10 @@ impl<const D: usize> World<D> {
         let mut positions = cloud.position.clone();
         let mut source: Vec<u32> = (0..cloud.len() as u32).collect();
         let mut image = vec![0_u8; cloud.len()];
-        let (low, high) = (cloud.domain.lower.add_scalar(-reach), cloud.domain.upper.add_scalar(reach));
+        let (low, high) = (
+            cloud.domain.lower.add_scalar(-reach),
+            cloud.domain.upper.add_scalar(reach),
+        );
         for (number, mirror) in images.iter().enumerate().skip(1) {
             for (point, x) in cloud.position.iter().enumerate() {
                 let y = mirror.place(x);
@@ -29,12 +32,19 @@ impl<const D: usize> World<D> {
                 }
             }
         }
-        World { cells: CellList::new(&positions, edge), source, image }
+        World {
+            cells: CellList::new(&positions, edge),
+            source,
+            image,
+        }
     }
 
     /// Real point and image number of an index in this world.
     pub fn origin(&self, index: u32) -> (usize, u8) {
-        (self.source[index as usize] as usize, self.image[index as usize])
+        (
+            self.source[index as usize] as usize,
+            self.image[index as usize],
+        )
     }
 
     /// Calls `visit(index in this world, squared distance)` for all points within `radius` of `x`.
@@ -90,7 +100,10 @@ impl<const D: usize> Families<D> {
     ) -> Result<Self, GeometryError> {
         let bonds: usize = chunks.iter().map(|(_, bonds)| bonds.len()).sum();
         if bonds > u32::MAX as usize {
-            return Err(GeometryError::TooLarge { what: "bonds", count: bonds });
+            return Err(GeometryError::TooLarge {
+                what: "bonds",
+                count: bonds,
+            });
         }
         let mut offset = Vec::with_capacity(horizon.len() + 1);
         offset.push(0_u32);
@@ -106,7 +119,16 @@ impl<const D: usize> Families<D> {
             image.extend(chunk.iter().map(|&(_, number)| number));
         }
         let (dual_offset, dual_bond, dual_owner) = transpose(&offset, &neighbour);
-        Ok(Families { horizon, images, offset, neighbour, image, dual_offset, dual_bond, dual_owner })
+        Ok(Families {
+            horizon,
+            images,
+            offset,
+            neighbour,
+            image,
+            dual_offset,
+            dual_bond,
+            dual_owner,
+        })
     }
 
     /// The same families without the bonds to images for which `keep` is false.
@@ -120,10 +142,18 @@ impl<const D: usize> Families<D> {
         let mut bonds = Vec::with_capacity(self.bonds());
         for point in 0..self.len() {
             let before = bonds.len();
-            bonds.extend(self.family(point).map(|b| (self.neighbour[b], self.image[b])).filter(|b| keep(b.1)));
+            bonds.extend(
+                self.family(point)
+                    .map(|b| (self.neighbour[b], self.image[b]))
+                    .filter(|b| keep(b.1)),
+            );
             counts.push((bonds.len() - before) as u32);
         }
-        Self::from_chunks(self.horizon.clone(), self.images.clone(), vec![(counts, bonds)])
+        Self::from_chunks(
+            self.horizon.clone(),
+            self.images.clone(),
+            vec![(counts, bonds)],
+        )
     }
 
     /// Number of points.

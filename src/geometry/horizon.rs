@@ -33,9 +33,9 @@ pub fn horizons<const D: usize>(
 ) -> Result<Vec<f64>, GeometryError> {
     match horizon {
         Horizon::Radius(radius) => Ok(vec![radius * SLACK; cloud.len()]),
-        Horizon::Ratio(ratio) => {
-            Ok((0..cloud.len()).map(|i| ratio * cloud.spacing(i) * SLACK).collect())
-        }
+        Horizon::Ratio(ratio) => Ok((0..cloud.len())
+            .map(|i| ratio * cloud.spacing(i) * SLACK)
+            .collect()),
         Horizon::Neighbours(neighbours) => nearest_distances(cloud, neighbours),
     }
 }
@@ -45,7 +45,10 @@ fn nearest_distances<const D: usize>(
     neighbours: usize,
 ) -> Result<Vec<f64>, GeometryError> {
     if !cloud.domain.planes && cloud.len() <= neighbours {
-        return Err(GeometryError::TooFewPoints { points: cloud.len(), neighbours });
+        return Err(GeometryError::TooFewPoints {
+            points: cloud.len(),
+            neighbours,
+        });
     }
     // Radius, in spacings, of a ball that holds twice the neighbours wanted.
     let wide = match D {
@@ -85,7 +88,9 @@ impl<const D: usize> World<D> {
         let mut radius = first.min(reach);
         loop {
             squared.clear();
-            self.within(&cloud.position[point], radius, |_, distance| squared.push(distance));
+            self.within(&cloud.position[point], radius, |_, distance| {
+                squared.push(distance)
+            });
             // The point itself is among them, at distance zero.
             if squared.len() > neighbours {
                 let (_, &mut found, _) = squared.select_nth_unstable_by(neighbours, f64::total_cmp);

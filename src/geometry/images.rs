@@ -28,7 +28,11 @@ impl<const D: usize> Image<D> {
                 shift[axis] = low + high + period;
             }
         }
-        Image { order, scale, shift }
+        Image {
+            order,
+            scale,
+            shift,
+        }
     }
 
     /// Place of this image of a point at `x`, in metres.
@@ -67,7 +71,12 @@ impl<const D: usize> ImageTable<D> {
                 // A thin strip may need more images along its one thin axis than three axes could.
                 let limit = if D == 2 { 7 } else { MAX_ORDER };
                 if most > limit as f64 {
-                    return Err(GeometryError::TooManyImages { horizon: reach, thickness, axis, limit });
+                    return Err(GeometryError::TooManyImages {
+                        horizon: reach,
+                        thickness,
+                        axis,
+                        limit,
+                    });
                 }
                 let most = most as i32;
                 orders = (-most..=most)
@@ -77,7 +86,9 @@ impl<const D: usize> ImageTable<D> {
         }
         orders.sort_by_key(|order| order.iter().map(|m| m.abs()).sum::<i32>());
         debug_assert!(orders.len() <= MAX_IMAGES);
-        Ok(ImageTable { images: orders.into_iter().map(|o| Image::new(o, domain)).collect() })
+        Ok(ImageTable {
+            images: orders.into_iter().map(|o| Image::new(o, domain)).collect(),
+        })
     }
 
     /// Number of images, the identity included.
@@ -111,7 +122,11 @@ mod tests {
     use super::*;
 
     fn unit_square() -> Domain<2> {
-        Domain { lower: Vector::zeros(), upper: Vector::repeat(1.0), planes: true }
+        Domain {
+            lower: Vector::zeros(),
+            upper: Vector::repeat(1.0),
+            planes: true,
+        }
     }
 
     #[test]
@@ -141,12 +156,18 @@ mod tests {
         assert!(table.iter().any(|image| image.order == [0, 3]));
         domain.upper[1] = 0.01;
         let error = ImageTable::new(&domain, 0.25).unwrap_err();
-        assert!(matches!(error, GeometryError::TooManyImages { axis: 1, .. }));
+        assert!(matches!(
+            error,
+            GeometryError::TooManyImages { axis: 1, .. }
+        ));
     }
 
     #[test]
     fn a_cloud_without_planes_has_only_itself() {
-        let domain = Domain { planes: false, ..unit_square() };
+        let domain = Domain {
+            planes: false,
+            ..unit_square()
+        };
         assert_eq!(ImageTable::new(&domain, 0.3).unwrap().len(), 1);
     }
 }

@@ -13,8 +13,8 @@ mod sampler;
 mod shape;
 mod side;
 
-pub use cloud::{Cloud, Domain};
 pub(crate) use cloud::edge;
+pub use cloud::{Cloud, Domain};
 pub use families::Families;
 pub use generate::GenerateError;
 pub use horizon::{Horizon, horizons};

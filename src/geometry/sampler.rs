@@ -24,7 +24,12 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let reach = horizon.iter().copied().fold(0.0, f64::max);
         let images = ImageTable::new(&cloud.domain, reach)?;
         let world = World::new(cloud, &images, reach, reach);
-        Ok(Sampler { cloud, horizon, images, world })
+        Ok(Sampler {
+            cloud,
+            horizon,
+            images,
+            world,
+        })
     }
 
     /// Horizon of every point in metres.
@@ -39,7 +44,10 @@ impl<'a, const D: usize> Sampler<'a, D> {
         self.world.within(&x, self.horizon[point], |index, _| {
             let (neighbour, image) = self.world.origin(index);
             if (neighbour, image) != (point, 0) {
-                let end = self.images.get(image).place(&self.cloud.position[neighbour]);
+                let end = self
+                    .images
+                    .get(image)
+                    .place(&self.cloud.position[neighbour]);
                 bonds.push((neighbour, image != 0, end - x));
             }
         });

@@ -35,16 +35,23 @@ impl Shape {
     /// Whether the region contains `x`.
     pub fn contains(&self, x: &[f64]) -> bool {
         match self {
-            Shape::Box { min, max } => {
-                x.iter().zip(min).zip(max).all(|((x, low), high)| low <= x && x <= high)
-            }
+            Shape::Box { min, max } => x
+                .iter()
+                .zip(min)
+                .zip(max)
+                .all(|((x, low), high)| low <= x && x <= high),
             Shape::Disc { centre, radius } => {
                 let squared: f64 = x.iter().zip(centre).map(|(a, b)| (a - b).powi(2)).sum();
                 squared <= radius * radius
             }
             Shape::Polygon { vertices } => polygon_contains(vertices, x[0], x[1]),
             Shape::HalfPlane { point, normal } => {
-                let along: f64 = x.iter().zip(point).zip(normal).map(|((x, p), n)| (x - p) * n).sum();
+                let along: f64 = x
+                    .iter()
+                    .zip(point)
+                    .zip(normal)
+                    .map(|((x, p), n)| (x - p) * n)
+                    .sum();
                 along <= 0.0
             }
         }
@@ -74,7 +81,14 @@ mod tests {
 
     #[test]
     fn an_l_shaped_polygon_holds_its_arms_and_edges_but_not_its_notch() {
-        let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let corners = vec![
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ];
         let shape = Shape::Polygon { vertices: corners };
         assert!(shape.contains(&[0.5, 1.5]) && shape.contains(&[1.5, 0.5]));
         assert!(shape.contains(&[0.0, 1.0]) && shape.contains(&[1.0, 1.5, 7.0]));
@@ -83,7 +97,10 @@ mod tests {
 
     #[test]
     fn a_half_plane_leaves_along_its_normal() {
-        let shape = Shape::HalfPlane { point: vec![0.5, 0.0], normal: vec![2.0, 0.0] };
+        let shape = Shape::HalfPlane {
+            point: vec![0.5, 0.0],
+            normal: vec![2.0, 0.0],
+        };
         assert!(shape.contains(&[0.5, 9.0]) && shape.contains(&[0.4, 0.0]));
         assert!(!shape.contains(&[0.6, 0.0]));
     }

@@ -26,12 +26,18 @@ impl Side {
 
     /// Inverse of [`Side::index`].
     pub fn from_index(index: usize) -> Side {
-        Side { axis: index / 2, upper: index % 2 == 1 }
+        Side {
+            axis: index / 2,
+            upper: index % 2 == 1,
+        }
     }
 
     /// The side called `name`, if there is one.
     pub fn from_name(name: &str) -> Option<Side> {
-        NAMES.iter().position(|&known| known == name).map(Side::from_index)
+        NAMES
+            .iter()
+            .position(|&known| known == name)
+            .map(Side::from_index)
     }
 
     /// Name in scenes and reports, such as `left`.

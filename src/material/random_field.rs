@@ -19,7 +19,10 @@ fn standard_normal<const D: usize>(
 ) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let Some(length) = correlation_length else {
-        return positions.iter().map(|_| random.sample(StandardNormal)).collect();
+        return positions
+            .iter()
+            .map(|_| random.sample(StandardNormal))
+            .collect();
     };
     let waves: Vec<(Vector<D>, f64)> = (0..WAVES)
         .map(|_| {
@@ -30,7 +33,13 @@ fn standard_normal<const D: usize>(
     let amplitude = (2.0 / WAVES as f64).sqrt();
     positions
         .par_iter()
-        .map(|x| amplitude * waves.iter().map(|(wave, phase)| (wave.dot(x) + phase).cos()).sum::<f64>())
+        .map(|x| {
+            amplitude
+                * waves
+                    .iter()
+                    .map(|(wave, phase)| (wave.dot(x) + phase).cos())
+                    .sum::<f64>()
+        })
         .collect()
 }
 
@@ -55,7 +64,9 @@ mod tests {
     use super::*;
 
     fn line(count: usize, spacing: f64) -> Vec<Vector<2>> {
-        (0..count).map(|i| Vector::<2>::new(i as f64 * spacing, 0.3)).collect()
+        (0..count)
+            .map(|i| Vector::<2>::new(i as f64 * spacing, 0.3))
+            .collect()
     }
 
     #[test]
@@ -65,7 +76,12 @@ mod tests {
         let count = field.len() as f64;
         let mean = field.iter().sum::<f64>() / count;
         let variance = field.iter().map(|z| z * z).sum::<f64>() / count;
-        let lag: f64 = field.iter().zip(&field[2..]).map(|(a, b)| a * b).sum::<f64>() / count;
+        let lag: f64 = field
+            .iter()
+            .zip(&field[2..])
+            .map(|(a, b)| a * b)
+            .sum::<f64>()
+            / count;
         assert!(mean.abs() < 0.05 && (variance - 1.0).abs() < 0.1);
         // Two points one correlation length apart.
         assert!((lag - (-0.5_f64).exp()).abs() < 0.1, "{lag}");

@@ -15,7 +15,13 @@ pub fn build_cloud<const D: usize>(
     plan: &Plan,
 ) -> Result<(Cloud<D>, Option<&PointTable>), ModelError> {
     match &plan.geometry {
-        GeometryPlan::Lattice { origin, size, cells, jitter: amount, seed } => {
+        GeometryPlan::Lattice {
+            origin,
+            size,
+            cells,
+            jitter: amount,
+            seed,
+        } => {
             let cells = std::array::from_fn(|axis| cells[axis]);
             let mut cloud = lattice(vector(origin), vector(size), cells)?;
             jitter(&mut cloud, *amount, *seed);
@@ -25,10 +31,20 @@ pub fn build_cloud<const D: usize>(
             let axes = std::array::from_fn(|axis| axes[axis].clone());
             Ok((graded(vector(origin), &axes)?, None))
         }
-        GeometryPlan::Blocks { origin, size, spacing, refinements } => {
-            Ok((blocks(vector(origin), vector(size), *spacing, refinements)?, None))
-        }
-        GeometryPlan::Points { path, table, bounds } => {
+        GeometryPlan::Blocks {
+            origin,
+            size,
+            spacing,
+            refinements,
+        } => Ok((
+            blocks(vector(origin), vector(size), *spacing, refinements)?,
+            None,
+        )),
+        GeometryPlan::Points {
+            path,
+            table,
+            bounds,
+        } => {
             let cloud = from_table(path, table, bounds.as_ref())?;
             Ok((cloud, Some(table)))
         }
@@ -53,26 +69,43 @@ fn from_table<const D: usize>(
 ) -> Result<Cloud<D>, ModelError> {
     let position: Vec<Vector<D>> = table.position.chunks_exact(D).map(vector).collect();
     let domain = match bounds {
-        Some((lower, upper)) => {
-            Domain { lower: vector(lower), upper: vector(upper), planes: true }
-        }
+        Some((lower, upper)) => Domain {
+            lower: vector(lower),
+            upper: vector(upper),
+            planes: true,
+        },
         None => bounding_box(&position),
     };
-    let cell: Vec<Vector<D>> =
-        table.volume.iter().map(|&v| Vector::repeat(crate::geometry::edge(v, D))).collect();
-    let cloud =
-        Cloud { domain, position, volume: table.volume.clone(), cell, irregular: true };
+    let cell: Vec<Vector<D>> = table
+        .volume
+        .iter()
+        .map(|&v| Vector::repeat(crate::geometry::edge(v, D)))
+        .collect();
+    let cloud = Cloud {
+        domain,
+        position,
+        volume: table.volume.clone(),
+        cell,
+        irregular: true,
+    };
     check_inside(path, &cloud)?;
     check_distinct(path, &cloud)?;
     Ok(cloud)
 }
 
 fn bounding_box<const D: usize>(position: &[Vector<D>]) -> Domain<D> {
-    let start: (Vector<D>, Vector<D>) =
-        (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
-    let (lower, upper) =
-        position.iter().fold(start, |(low, high), x: &Vector<D>| (low.inf(x), high.sup(x)));
-    Domain { lower, upper, planes: false }
+    let start: (Vector<D>, Vector<D>) = (
+        Vector::repeat(f64::INFINITY),
+        Vector::repeat(f64::NEG_INFINITY),
+    );
+    let (lower, upper) = position.iter().fold(start, |(low, high), x: &Vector<D>| {
+        (low.inf(x), high.sup(x))
+    });
+    Domain {
+        lower,
+        upper,
+        planes: false,
+    }
 }
 
 /// Points on or beyond a mirror plane would coincide with their images.
@@ -83,7 +116,8 @@ fn check_inside<const D: usize>(path: &str, cloud: &Cloud<D>) -> Result<(), Mode
     let outside = |i: &usize| {
         let margin = 1e-6 * cloud.spacing(*i);
         let x = &cloud.position[*i];
-        (0..D).any(|a| x[a] < cloud.domain.lower[a] + margin || x[a] > cloud.domain.upper[a] - margin)
+        (0..D)
+            .any(|a| x[a] < cloud.domain.lower[a] + margin || x[a] > cloud.domain.upper[a] - margin)
     };
     match (0..cloud.len()).find(outside) {
         None => Ok(()),
@@ -100,9 +134,17 @@ fn check_inside<const D: usize>(path: &str, cloud: &Cloud<D>) -> Result<(), Mode
 
 fn check_distinct<const D: usize>(path: &str, cloud: &Cloud<D>) -> Result<(), ModelError> {
     let mut order: Vec<usize> = (0..cloud.len()).collect();
-    let key = |i: usize| cloud.position[i].iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    let key = |i: usize| {
+        cloud.position[i]
+            .iter()
+            .map(|x| x.to_bits())
+            .collect::<Vec<u64>>()
+    };
     order.sort_by_cached_key(|&i| key(i));
-    match order.windows(2).find(|pair| cloud.position[pair[0]] == cloud.position[pair[1]]) {
+    match order
+        .windows(2)
+        .find(|pair| cloud.position[pair[0]] == cloud.position[pair[1]])
+    {
         None => Ok(()),
         Some(pair) => Err(ModelError::Points {
             path: path.to_owned(),

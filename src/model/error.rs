@@ -31,9 +31,7 @@ pub enum ModelError {
         material: String,
     },
     /// A region with prescribed pressure holds no point.
-    #[error(
-        "flow.regions #{number} holds no point; enlarge it or refine the cloud"
-    )]
+    #[error("flow.regions #{number} holds no point; enlarge it or refine the cloud")]
     EmptyPressureRegion {
         /// Which region, from 1.
         number: usize,

@@ -9,9 +9,7 @@ use crate::assembly::{Consistency, Pattern, ScalarOperator, consistent_gradient}
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Side, Vector};
-use crate::operators::{
-    BondConductance, Correspondence, Extension, Neighbourhood, Parity,
-};
+use crate::operators::{BondConductance, Correspondence, Extension, Neighbourhood, Parity};
 use crate::plan::{FlowPlan, Load, OperatorChoice, Plan, SideCondition};
 
 use crate::report::Flows;
@@ -79,9 +77,12 @@ impl<const D: usize> FlowModel<D> {
         let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
         let around = Arc::new(around);
         let mut consistency = None;
-        let operator =
-            build_operator(flow, &around, &one_sided, &mut consistency, warnings)?;
-        let mobility = points.permeability.iter().map(|k| k / plan.fluid.viscosity).collect();
+        let operator = build_operator(flow, &around, &one_sided, &mut consistency, warnings)?;
+        let mobility = points
+            .permeability
+            .iter()
+            .map(|k| k / plan.fluid.viscosity)
+            .collect();
         let column = Column::of(plan, cloud);
         let (fixed, fixed_loads) = fixed_points(flow, cloud)?;
         let initial = cloud.position.iter().map(|x| {
@@ -89,10 +90,18 @@ impl<const D: usize> FlowModel<D> {
             flow.initial_pressure + weight.map_or(0.0, |column| column.pressure(x))
         });
         Ok(FlowModel {
-            capacity: points.storage.iter().zip(&cloud.volume).map(|(s, v)| s * v).collect(),
+            capacity: points
+                .storage
+                .iter()
+                .zip(&cloud.volume)
+                .map(|(s, v)| s * v)
+                .collect(),
             initial: initial.collect(),
             walls: Vec::new(),
-            pattern: Pattern { offsets: vec![0], columns: Vec::new() },
+            pattern: Pattern {
+                offsets: vec![0],
+                columns: Vec::new(),
+            },
             conductance: Vec::new(),
             effects: Vec::new(),
             operator,
@@ -112,7 +121,12 @@ impl<const D: usize> FlowModel<D> {
         self.conductance = vec![0.0; self.pattern.nonzeros()];
         self.refill();
         let cloud = &self.operator.neighbourhood().cloud;
-        let storage: Vec<f64> = self.capacity.iter().zip(&cloud.volume).map(|(c, v)| c / v).collect();
+        let storage: Vec<f64> = self
+            .capacity
+            .iter()
+            .zip(&cloud.volume)
+            .map(|(c, v)| c / v)
+            .collect();
         self.effects = effects::build(&Context {
             plan,
             operator: &*self.operator,
@@ -134,7 +148,8 @@ impl<const D: usize> FlowModel<D> {
     /// Fills L anew from the current mobility, into the same pattern.
     pub fn refill(&mut self) {
         let (extension, pattern) = (&self.extension, &self.pattern);
-        self.operator.fill(extension, &self.mobility, pattern, &mut self.conductance);
+        self.operator
+            .fill(extension, &self.mobility, pattern, &mut self.conductance);
         self.refills += 1;
     }
 
@@ -151,19 +166,28 @@ impl<const D: usize> FlowModel<D> {
     /// A matrix of the same pattern with other values, shape `(nonzeros,)`.
     pub fn view<'a>(&'a self, values: &'a [f64]) -> CsrView<'a> {
         let shape = (self.points(), self.points());
-        CsrView::new(shape, &self.pattern.offsets[..], &self.pattern.columns[..], values)
+        CsrView::new(
+            shape,
+            &self.pattern.offsets[..],
+            &self.pattern.columns[..],
+            values,
+        )
     }
 
     /// Rate of the effects at `time`, shape `(n,)`, m^D/s; sides of prescribed pressure not included.
     pub fn rate(&self, time: f64, rate: &mut [f64]) {
         rate.fill(0.0);
-        self.effects.iter().for_each(|effect| effect.add_rate(time, rate));
+        self.effects
+            .iter()
+            .for_each(|effect| effect.add_rate(time, rate));
     }
 
     /// Imbalance q − L p at `time`, shape `(n,)`, m^D/s: what storage takes up.
     pub fn imbalance(&self, time: f64, pressure: &[f64], imbalance: &mut [f64]) {
         self.rate(time, imbalance);
-        self.walls.iter().for_each(|wall| wall.add_rate(time, pressure, imbalance));
+        self.walls
+            .iter()
+            .for_each(|wall| wall.add_rate(time, pressure, imbalance));
         self.subtract_exchange(pressure, imbalance);
     }
 
@@ -173,9 +197,13 @@ impl<const D: usize> FlowModel<D> {
     /// conductances do not amplify the rounding errors of large pressures.
     pub fn subtract_exchange(&self, pressure: &[f64], result: &mut [f64]) {
         let (pattern, conductance) = (&self.pattern, &self.conductance);
-        result.par_iter_mut().enumerate().with_min_len(1024).for_each(|(row, result)| {
-            *result -= exchange(pattern, conductance, pressure, row);
-        });
+        result
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(1024)
+            .for_each(|(row, result)| {
+                *result -= exchange(pattern, conductance, pressure, row);
+            });
     }
 
     /// Rates at which the boundary and the sources move fluid in the state `pressure` at `time`;
@@ -218,7 +246,11 @@ impl<const D: usize> FlowModel<D> {
 
     /// The prescribed pressures alone, at `time`, Pa.
     pub fn prescribed(&self, time: f64) -> Vec<f64> {
-        let loads = self.walls.iter().map(|wall| &wall.pressure).chain(&self.fixed_loads);
+        let loads = self
+            .walls
+            .iter()
+            .map(|wall| &wall.pressure)
+            .chain(&self.fixed_loads);
         loads.map(|load| load.at(time)).collect()
     }
 
@@ -227,7 +259,10 @@ impl<const D: usize> FlowModel<D> {
     pub fn slope(&self, pressure: &[f64], time: f64, point: usize) -> Vector<D> {
         let walls = self.wall_values(time);
         let drive = self.drive(pressure, &walls);
-        let weight = self.column.as_ref().map_or_else(Vector::zeros, |column| column.weight);
+        let weight = self
+            .column
+            .as_ref()
+            .map_or_else(Vector::zeros, |column| column.weight);
         self.operator.flux(&self.mobility, point, &drive) / -self.mobility[point] + weight
     }
 
@@ -282,9 +317,14 @@ impl<const D: usize> FlowModel<D> {
 
     /// Times at which a load's slope jumps, sorted.
     pub fn breakpoints(&self) -> Vec<f64> {
-        let effects = self.effects.iter().flat_map(|effect| effect.effect().breakpoints());
+        let effects = self
+            .effects
+            .iter()
+            .flat_map(|effect| effect.effect().breakpoints());
         let walls = self.walls.iter().map(|wall| &wall.pressure);
-        let loads = walls.chain(&self.fixed_loads).flat_map(|load| load.breakpoints().to_vec());
+        let loads = walls
+            .chain(&self.fixed_loads)
+            .flat_map(|load| load.breakpoints().to_vec());
         let mut times: Vec<f64> = effects.chain(loads).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
@@ -298,13 +338,20 @@ impl<const D: usize> FlowModel<D> {
 
     /// Bytes held, by what holds them.
     pub fn bytes(&self) -> Vec<(&'static str, usize)> {
-        let effects: usize = self.effects.iter().map(|effect| effect.effect().bytes()).sum();
+        let effects: usize = self
+            .effects
+            .iter()
+            .map(|effect| effect.effect().bytes())
+            .sum();
         let walls: usize = self.walls.iter().map(Wall::bytes).sum();
         vec![
             ("bonds", self.operator.neighbourhood().bytes()),
             ("operator", self.operator.bytes()),
             ("matrix", self.pattern.bytes() + 8 * self.conductance.len()),
-            ("coefficients", 8 * (self.mobility.len() + self.capacity.len() + self.initial.len())),
+            (
+                "coefficients",
+                8 * (self.mobility.len() + self.capacity.len() + self.initial.len()),
+            ),
             ("effects", effects + walls),
         ]
     }
@@ -323,8 +370,12 @@ fn parity(side: &SideCondition) -> Parity {
 pub fn exchange(pattern: &Pattern, conductance: &[f64], pressure: &[f64], row: usize) -> f64 {
     let range = pattern.row(row);
     let own = pressure[row];
-    let entries = conductance[range.clone()].iter().zip(&pattern.columns[range]);
-    entries.map(|(value, &column)| value * (pressure[column as usize] - own)).sum()
+    let entries = conductance[range.clone()]
+        .iter()
+        .zip(&pattern.columns[range]);
+    entries
+        .map(|(value, &column)| value * (pressure[column as usize] - own))
+        .sum()
 }
 
 /// Share of a family's weights beyond which its correction is not trusted.
@@ -363,7 +414,11 @@ fn build_operator<const D: usize>(
         *consistency = Some(quality);
         corrected = Some(gradient);
     }
-    Ok(Box::new(Correspondence::new(around.clone(), flow.hourglass, corrected)))
+    Ok(Box::new(Correspondence::new(
+        around.clone(),
+        flow.hourglass,
+        corrected,
+    )))
 }
 
 /// Points of the regions with prescribed pressure; a later region wins.
@@ -371,7 +426,14 @@ fn fixed_points<const D: usize>(
     flow: &FlowPlan,
     cloud: &Cloud<D>,
 ) -> Result<(Vec<FixedPressure>, Vec<Load>), ModelError> {
-    let mut chosen = vec![None; if flow.regions.is_empty() { 0 } else { cloud.len() }];
+    let mut chosen = vec![
+        None;
+        if flow.regions.is_empty() {
+            0
+        } else {
+            cloud.len()
+        }
+    ];
     for (load, region) in flow.regions.iter().enumerate() {
         let mut found = false;
         for (own, x) in chosen.iter_mut().zip(&cloud.position) {
@@ -385,5 +447,11 @@ fn fixed_points<const D: usize>(
     }
     let points = chosen.into_iter().enumerate();
     let fixed = points.filter_map(|(point, load)| load.map(|load| FixedPressure { point, load }));
-    Ok((fixed.collect(), flow.regions.iter().map(|region| region.pressure.clone()).collect()))
+    Ok((
+        fixed.collect(),
+        flow.regions
+            .iter()
+            .map(|region| region.pressure.clone())
+            .collect(),
+    ))
 }

@@ -38,7 +38,9 @@ impl<const D: usize> Model<D> {
     /// # Errors
     /// [`ModelError`], which says what in the plan does not fit.
     pub fn build(plan: &Plan, timers: &mut Timers) -> Result<Self, ModelError> {
-        let Some(flow) = &plan.flow else { return Err(ModelError::NothingToDo) };
+        let Some(flow) = &plan.flow else {
+            return Err(ModelError::NothingToDo);
+        };
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         let cloud = Arc::new(cloud);
         let families = timers.time("families", || build_families(plan, &cloud))?;

@@ -35,14 +35,26 @@ pub fn assign<const D: usize>(
     if let Some(values) = table.and_then(|table| table.permeability.as_ref()) {
         permeability.clone_from(values);
     }
-    let storage = material.iter().map(|&m| plan.materials[usize::from(m)].storage).collect();
-    Ok(Properties { material, permeability, storage })
+    let storage = material
+        .iter()
+        .map(|&m| plan.materials[usize::from(m)].storage)
+        .collect();
+    Ok(Properties {
+        material,
+        permeability,
+        storage,
+    })
 }
 
 fn by_name(plan: &Plan, names: &[String]) -> Result<Vec<u16>, ModelError> {
     let index = |name: &String| {
-        let found = plan.materials.iter().position(|material| material.name == *name);
-        found.map(|k| k as u16).ok_or_else(|| ModelError::UnknownMaterial { name: name.clone() })
+        let found = plan
+            .materials
+            .iter()
+            .position(|material| material.name == *name);
+        found
+            .map(|k| k as u16)
+            .ok_or_else(|| ModelError::UnknownMaterial { name: name.clone() })
     };
     names.iter().map(index).collect()
 }
@@ -60,7 +72,9 @@ fn by_region<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<Vec<u16>, 
             }
         }
         if !found {
-            return Err(ModelError::EmptyRegion { material: plan.name.clone() });
+            return Err(ModelError::EmptyRegion {
+                material: plan.name.clone(),
+            });
         }
     }
     match material.iter().position(|&m| m == NONE) {
@@ -84,13 +98,28 @@ fn permeabilities<const D: usize>(
             PermeabilityPlan::Table { path, values } => {
                 if values.len() != cloud.len() {
                     let (path, found) = (path.clone(), values.len());
-                    return Err(ModelError::TableLength { path, found, points: cloud.len() });
+                    return Err(ModelError::TableLength {
+                        path,
+                        found,
+                        points: cloud.len(),
+                    });
                 }
                 values.clone()
             }
-            PermeabilityPlan::LogNormal { median, log10_std, decades, correlation_length, seed } => {
-                log_normal(&cloud.position, *median, *log10_std, *decades, *correlation_length, *seed)
-            }
+            PermeabilityPlan::LogNormal {
+                median,
+                log10_std,
+                decades,
+                correlation_length,
+                seed,
+            } => log_normal(
+                &cloud.position,
+                *median,
+                *log10_std,
+                *decades,
+                *correlation_length,
+                *seed,
+            ),
         };
         for ((own, value), _) in permeability
             .iter_mut()

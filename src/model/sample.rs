@@ -52,20 +52,34 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
     let chosen: Vec<usize> = sampled_points(cloud.len());
     let corrected = flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
     let bond = flow.operator == OperatorChoice::Bond;
-    let families: Vec<LocalFamily> =
-        chosen.iter().map(|&i| LocalFamily::new(plan, &cloud, &sampler, i, flow.hourglass)).collect();
+    let families: Vec<LocalFamily> = chosen
+        .iter()
+        .map(|&i| LocalFamily::new(plan, &cloud, &sampler, i, flow.hourglass))
+        .collect();
     let second_hop = !bond && (corrected || families.iter().any(|family| !family.one_hop));
     let mean = |value: &dyn Fn(&LocalFamily) -> f64| {
         families.iter().map(value).sum::<f64>() / families.len().max(1) as f64
     };
     let eigenvalue = families.iter().map(|f| f.eigenvalue).fold(0.0, f64::max);
-    let mobility: Vec<f64> = points.permeability.iter().map(|k| k / plan.fluid.viscosity).collect();
-    let diffusivity: Vec<f64> =
-        mobility.iter().zip(&points.storage).map(|(k, s)| k / s).collect();
+    let mobility: Vec<f64> = points
+        .permeability
+        .iter()
+        .map(|k| k / plan.fluid.viscosity)
+        .collect();
+    let diffusivity: Vec<f64> = mobility
+        .iter()
+        .zip(&points.storage)
+        .map(|(k, s)| k / s)
+        .collect();
     let limit = |i: usize| 2.0 * cloud.spacing(i).powi(2) / (diffusivity[i] * eigenvalue);
-    let limiter = (0..cloud.len()).min_by(|&a, &b| limit(a).total_cmp(&limit(b))).unwrap_or(0);
+    let limiter = (0..cloud.len())
+        .min_by(|&a, &b| limit(a).total_cmp(&limit(b)))
+        .unwrap_or(0);
     let mut per_material = vec![0; plan.materials.len()];
-    points.material.iter().for_each(|&m| per_material[usize::from(m)] += 1);
+    points
+        .material
+        .iter()
+        .for_each(|&m| per_material[usize::from(m)] += 1);
     Ok(Sample {
         points: cloud.len(),
         bonds: mean(&|family| family.bonds as f64),
@@ -86,11 +100,15 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
 /// Points spread evenly over the cloud's order.
 fn sampled_points(count: usize) -> Vec<usize> {
     let samples = SAMPLES.min(count);
-    (0..samples).map(|k| (2 * k + 1) * count / (2 * samples)).collect()
+    (0..samples)
+        .map(|k| (2 * k + 1) * count / (2 * samples))
+        .collect()
 }
 
 fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, 0.0], |[low, high], v| [low.min(v), high.max(v)])
+    values.fold([f64::INFINITY, 0.0], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
 }
 
 struct LocalFamily {
@@ -114,8 +132,12 @@ impl LocalFamily {
         let family = sampler.family(point);
         let mut hops: BTreeSet<usize> = family.iter().map(|(j, _, _)| *j).collect();
         hops.insert(point);
-        let second: BTreeSet<usize> =
-            hops.iter().flat_map(|&j| sampler.family(j)).map(|(k, _, _)| k).chain(hops.clone()).collect();
+        let second: BTreeSet<usize> = hops
+            .iter()
+            .flat_map(|&j| sampler.family(j))
+            .map(|(k, _, _)| k)
+            .chain(hops.clone())
+            .collect();
         let bonds: Vec<(Vector<D>, f64)> = family
             .iter()
             .map(|(j, _, xi)| {
@@ -143,7 +165,9 @@ fn symbol<const D: usize>(
     hourglass: f64,
     spacing: f64,
 ) -> f64 {
-    let Some(inverse) = shape.try_inverse() else { return 8.0 };
+    let Some(inverse) = shape.try_inverse() else {
+        return 8.0;
+    };
     let steps = 12_usize;
     let mut largest = 0.0_f64;
     for mut index in 0..(steps + 1).pow(D as u32) {

@@ -25,11 +25,23 @@ pub struct BondConductance<const D: usize> {
 impl<const D: usize> BondConductance<D> {
     /// Weighs all bonds.
     pub fn new(around: Arc<Neighbourhood<D>>) -> Self {
-        let families: Vec<(Vec<f64>, bool)> =
-            (0..around.len()).into_par_iter().map(|owner| family_weights(&around, owner)).collect();
-        let uncorrected = families.iter().filter(|(_, second_moment)| !second_moment).count();
-        let geometric = families.into_iter().flat_map(|(weights, _)| weights).collect();
-        BondConductance { around, geometric, uncorrected }
+        let families: Vec<(Vec<f64>, bool)> = (0..around.len())
+            .into_par_iter()
+            .map(|owner| family_weights(&around, owner))
+            .collect();
+        let uncorrected = families
+            .iter()
+            .filter(|(_, second_moment)| !second_moment)
+            .count();
+        let geometric = families
+            .into_iter()
+            .flat_map(|(weights, _)| weights)
+            .collect();
+        BondConductance {
+            around,
+            geometric,
+            uncorrected,
+        }
     }
 
     /// Points whose second moment could not be made exact with positive weights.
@@ -46,11 +58,19 @@ fn family_weights<const D: usize>(around: &Neighbourhood<D>, owner: usize) -> (V
     let volume = around.cloud.volume[owner];
     let plain = D as f64 / around.moment[owner];
     let scaled = around.shape(owner) * plain - Matrix::identity();
-    let uniform = || around.families.family(owner).map(|b| volume * around.measure[b] * plain).collect();
+    let uniform = || {
+        around
+            .families
+            .family(owner)
+            .map(|b| volume * around.measure[b] * plain)
+            .collect()
+    };
     if scaled.amax() < 1e-11 {
         return (uniform(), true);
     }
-    let Some(tensor) = second_moment_tensor(around, owner) else { return (uniform(), false) };
+    let Some(tensor) = second_moment_tensor(around, owner) else {
+        return (uniform(), false);
+    };
     let weight = |bond: usize| {
         let direction = around.bond_vector(owner, bond).normalize();
         direction.dot(&(tensor * direction))
@@ -60,7 +80,13 @@ fn family_weights<const D: usize>(around: &Neighbourhood<D>, owner: usize) -> (V
         return (uniform(), false);
     }
     let bonds = around.families.family(owner);
-    (bonds.zip(weights).map(|(b, w)| volume * around.measure[b] * w).collect(), true)
+    (
+        bonds
+            .zip(weights)
+            .map(|(b, w)| volume * around.measure[b] * w)
+            .collect(),
+        true,
+    )
 }
 
 /// B with Σ_b ω V_j (ξ̂ᵀ B ξ̂) ξ⊗ξ = I.
@@ -100,7 +126,10 @@ impl<const D: usize> BondForm<D> for BondConductance<D> {
     }
 
     fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
-        let (a, b) = (mobility[owner], mobility[self.around.families.neighbour(bond)]);
+        let (a, b) = (
+            mobility[owner],
+            mobility[self.around.families.neighbour(bond)],
+        );
         // Divide by the larger one first: the product of two tiny mobilities underflows.
         let (small, large) = if a < b { (a, b) } else { (b, a) };
         self.geometric[bond] * 2.0 * small / (1.0 + small / large)
@@ -130,7 +159,8 @@ mod tests {
     fn jittered(amount: f64) -> BondConductance<2> {
         let mut cloud = lattice(Vector::<2>::zeros(), Vector::repeat(1.0), [12, 12]).unwrap();
         jitter(&mut cloud, amount, 3);
-        let families = Families::search(&cloud, horizons(&cloud, Horizon::Ratio(3.0)).unwrap()).unwrap();
+        let families =
+            Families::search(&cloud, horizons(&cloud, Horizon::Ratio(3.0)).unwrap()).unwrap();
         let around = Neighbourhood::new(Arc::new(cloud), Arc::new(families), Influence::default());
         BondConductance::new(Arc::new(around.unwrap()))
     }

@@ -45,17 +45,29 @@ impl<const D: usize> Correspondence<D> {
         hourglass: f64,
         corrected: Option<Gradient<D>>,
     ) -> Self {
-        let bracket: Vec<Matrix<D>> =
-            (0..around.len()).into_par_iter().map(|i| bracket(&around, i, hourglass)).collect();
-        let couples: Vec<bool> =
-            bracket.iter().map(|b| corrected.is_some() || b.amax() > ISOTROPIC).collect();
+        let bracket: Vec<Matrix<D>> = (0..around.len())
+            .into_par_iter()
+            .map(|i| bracket(&around, i, hourglass))
+            .collect();
+        let couples: Vec<bool> = bracket
+            .iter()
+            .map(|b| corrected.is_some() || b.amax() > ISOTROPIC)
+            .collect();
         let second_hop = couples.iter().any(|&c| c).then(|| SecondHop {
             couples,
-            bracket: bracket.iter().zip(&around.cloud.volume).map(|(b, v)| b * *v).collect(),
+            bracket: bracket
+                .iter()
+                .zip(&around.cloud.volume)
+                .map(|(b, v)| b * *v)
+                .collect(),
             plain: Gradient::plain(&around),
             corrected,
         });
-        Correspondence { around, hourglass, second_hop }
+        Correspondence {
+            around,
+            hourglass,
+            second_hop,
+        }
     }
 }
 
@@ -74,12 +86,15 @@ impl<const D: usize> BondForm<D> for Correspondence<D> {
     }
 
     fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
-        let scale = 2.0 * self.hourglass * self.around.cloud.volume[owner] / self.around.moment[owner];
+        let scale =
+            2.0 * self.hourglass * self.around.cloud.volume[owner] / self.around.moment[owner];
         scale * self.around.measure[bond] * mobility[owner]
     }
 
     fn couples(&self, owner: usize) -> bool {
-        self.second_hop.as_ref().is_some_and(|hop| hop.couples[owner])
+        self.second_hop
+            .as_ref()
+            .is_some_and(|hop| hop.couples[owner])
     }
 
     fn coupling(&self, owner: usize, mobility: &[f64]) -> [Option<Coupling<'_, D>>; 2] {
@@ -90,25 +105,42 @@ impl<const D: usize> BondForm<D> for Correspondence<D> {
         let inner = hop.bracket[owner] * mobility[owner];
         let plain = &hop.plain.weight[family.clone()];
         match &hop.corrected {
-            None => [Some(Coupling { stiffness: inner, weight: plain }), None],
+            None => [
+                Some(Coupling {
+                    stiffness: inner,
+                    weight: plain,
+                }),
+                None,
+            ],
             Some(gradient) => {
                 let full = Matrix::identity() * (self.around.cloud.volume[owner] * mobility[owner]);
                 let weight = &gradient.weight[family];
                 [
-                    Some(Coupling { stiffness: full, weight }),
-                    Some(Coupling { stiffness: inner - full, weight: plain }),
+                    Some(Coupling {
+                        stiffness: full,
+                        weight,
+                    }),
+                    Some(Coupling {
+                        stiffness: inner - full,
+                        weight: plain,
+                    }),
                 ]
             }
         }
     }
 
     fn flux(&self, owner: usize, mobility: &[f64], difference: &dyn Fn(usize) -> f64) -> Vector<D> {
-        let corrected = self.second_hop.as_ref().and_then(|hop| hop.corrected.as_ref());
+        let corrected = self
+            .second_hop
+            .as_ref()
+            .and_then(|hop| hop.corrected.as_ref());
         let Some(gradient) = corrected else {
             return family_gradient(&self.around, owner, difference) * -mobility[owner];
         };
         let family = self.around.families.family(owner);
-        let slope: Vector<D> = family.map(|bond| gradient.weight[bond] * difference(bond)).sum();
+        let slope: Vector<D> = family
+            .map(|bond| gradient.weight[bond] * difference(bond))
+            .sum();
         slope * -mobility[owner]
     }
 

@@ -38,12 +38,20 @@ impl<const D: usize> Extension<D> {
         };
         for image in 0..images.len() {
             let walk = &extension.walks[image][0];
-            let odd = walk.iter().filter(|side| parity[side.index()] == Parity::Odd).count();
-            extension.kept.push(walk.iter().all(|s| parity[s.index()] != Parity::OneSided));
+            let odd = walk
+                .iter()
+                .filter(|side| parity[side.index()] == Parity::Odd)
+                .count();
+            extension
+                .kept
+                .push(walk.iter().all(|s| parity[s.index()] != Parity::OneSided));
             extension.sign.push(if odd % 2 == 0 { 1.0 } else { -1.0 });
-            let unit = |chosen: usize| move |side: Side, _: &Vector<D>| f64::from(side.index() == chosen);
+            let unit =
+                |chosen: usize| move |side: Side, _: &Vector<D>| f64::from(side.index() == chosen);
             let origin = Vector::zeros();
-            let wall = (0..2 * D).map(|s| extension.offset(image as u8, &origin, unit(s))).collect();
+            let wall = (0..2 * D)
+                .map(|s| extension.offset(image as u8, &origin, unit(s)))
+                .collect();
             extension.wall.push(wall);
         }
         extension
@@ -69,7 +77,11 @@ impl<const D: usize> Extension<D> {
         if image == 0 {
             return 0.0;
         }
-        self.wall[usize::from(image)].iter().zip(walls).map(|(c, w)| c * w).sum()
+        self.wall[usize::from(image)]
+            .iter()
+            .zip(walls)
+            .map(|(c, w)| c * w)
+            .sum()
     }
 
     /// Side through which a bond to this image leaves, if the image is odd.
@@ -79,7 +91,9 @@ impl<const D: usize> Extension<D> {
     pub fn outlet(&self, image: u8) -> Option<Side> {
         let odd = |side: &&Side| self.parity[side.index()] == Parity::Odd;
         let walk = self.walks[usize::from(image)].first()?;
-        (self.sign(image) < 0.0).then(|| walk.iter().rev().find(odd).copied()).flatten()
+        (self.sign(image) < 0.0)
+            .then(|| walk.iter().rev().find(odd).copied())
+            .flatten()
     }
 
     /// Constant part of the image's value where the wall values vary along the walls.
@@ -95,7 +109,8 @@ impl<const D: usize> Extension<D> {
     /// Where a linear field continues to: the coordinates of the image along axes with prescribed
     /// values, those of the point itself along mirrored ones.
     pub fn foot(&self, image: u8, x: &Vector<D>) -> Vector<D> {
-        self.walk(&self.walks[usize::from(image)][0], x, &|_, _| 0.0).1
+        self.walk(&self.walks[usize::from(image)][0], x, &|_, _| 0.0)
+            .1
     }
 
     fn walk(
@@ -105,7 +120,10 @@ impl<const D: usize> Extension<D> {
         wall: &impl Fn(Side, &Vector<D>) -> f64,
     ) -> (f64, Vector<D>) {
         let (mut value, mut at) = (0.0, *x);
-        for &side in walk.iter().filter(|side| self.parity[side.index()] == Parity::Odd) {
+        for &side in walk
+            .iter()
+            .filter(|side| self.parity[side.index()] == Parity::Odd)
+        {
             let plane = self.planes[side.index()];
             let mut on_wall = at;
             on_wall[side.axis] = plane;
@@ -121,7 +139,11 @@ fn walks<const D: usize>(order: &[i32; D]) -> Vec<Vec<Side>> {
     let along: Vec<Vec<Side>> = (0..D).map(|axis| reflections(axis, order[axis])).collect();
     permutations(D)
         .into_iter()
-        .map(|axes| axes.into_iter().flat_map(|axis| along[axis].clone()).collect())
+        .map(|axes| {
+            axes.into_iter()
+                .flat_map(|axis| along[axis].clone())
+                .collect()
+        })
         .collect()
 }
 
@@ -158,7 +180,11 @@ mod tests {
     use crate::geometry::Domain;
 
     fn strip() -> (Domain<2>, ImageTable<2>) {
-        let domain = Domain { lower: Vector::zeros(), upper: Vector::new(1.0, 0.2), planes: true };
+        let domain = Domain {
+            lower: Vector::zeros(),
+            upper: Vector::new(1.0, 0.2),
+            planes: true,
+        };
         let images = ImageTable::new(&domain, 0.5).unwrap();
         (domain, images)
     }
@@ -202,7 +228,10 @@ mod tests {
         let extension = Extension::new(&images, &parity, &[0.0, 1.0, 0.0, 0.2]);
         for (number, image) in images.iter().enumerate() {
             let number = number as u8;
-            assert_eq!(extension.keeps(number), image.order[0] <= 0 && image.order[0] >= -1);
+            assert_eq!(
+                extension.keeps(number),
+                image.order[0] <= 0 && image.order[0] >= -1
+            );
             if image.order[0] == -1 {
                 assert_eq!(extension.outlet(number).map(Side::name), Some("left"));
             }

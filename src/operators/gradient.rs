@@ -18,7 +18,10 @@ impl<const D: usize> Gradient<D> {
         let weight = (0..around.len())
             .into_par_iter()
             .flat_map_iter(|owner| {
-                around.families.family(owner).map(move |bond| plain_weight(around, owner, bond))
+                around
+                    .families
+                    .family(owner)
+                    .map(move |bond| plain_weight(around, owner, bond))
             })
             .collect();
         Gradient { weight }

@@ -23,7 +23,11 @@ impl<const D: usize> Hourglass<D> {
             .into_par_iter()
             .map(|i| around.shape(i) * -around.cloud.volume[i])
             .collect();
-        Hourglass { around, gradient, stiffness }
+        Hourglass {
+            around,
+            gradient,
+            stiffness,
+        }
     }
 }
 

@@ -36,7 +36,8 @@ impl<const D: usize> Neighbourhood<D> {
     ) -> Result<Self, GeometryError> {
         let weigh = |owner: usize, bond: usize| {
             let distance = families.bond_vector(&cloud, owner, bond).norm();
-            influence.weight(distance, families.horizon[owner]) * cloud.volume[families.neighbour(bond)]
+            influence.weight(distance, families.horizon[owner])
+                * cloud.volume[families.neighbour(bond)]
         };
         let measure: Vec<f64> = (0..families.len())
             .into_par_iter()
@@ -47,7 +48,13 @@ impl<const D: usize> Neighbourhood<D> {
             .map(|owner| invert(&cloud, &families, owner, &measure))
             .collect();
         let (inverse_shape, moment) = shapes?.into_iter().unzip();
-        Ok(Neighbourhood { cloud, families, measure, inverse_shape, moment })
+        Ok(Neighbourhood {
+            cloud,
+            families,
+            measure,
+            inverse_shape,
+            moment,
+        })
     }
 
     /// Number of points.
@@ -100,13 +107,17 @@ fn invert<const D: usize>(
     let moment = shape.trace();
     // Scaled to the isotropic tensor the determinant is 1, and falls to 0 with the thinnest axis.
     let scaled = shape * (D as f64 / moment);
-    let inverse = determinant(&scaled).filter(|&d| d > SINGULAR).and_then(|_| shape.try_inverse());
-    inverse.map(|inverse| (inverse, moment)).ok_or_else(|| GeometryError::SingularShape {
-        point: owner,
-        position: cloud.position[owner].iter().copied().collect(),
-        found: families.family(owner).len(),
-        horizon: families.horizon[owner],
-    })
+    let inverse = determinant(&scaled)
+        .filter(|&d| d > SINGULAR)
+        .and_then(|_| shape.try_inverse());
+    inverse
+        .map(|inverse| (inverse, moment))
+        .ok_or_else(|| GeometryError::SingularShape {
+            point: owner,
+            position: cloud.position[owner].iter().copied().collect(),
+            found: families.family(owner).len(),
+            horizon: families.horizon[owner],
+        })
 }
 
 /// Determinant by elimination; `None` when it is not a number.
@@ -137,7 +148,10 @@ mod tests {
         let horizon = horizons(&cloud, Horizon::Neighbours(15)).unwrap();
         assert!((horizon[0] - 5_f64.sqrt() * 0.1).abs() < 1e-6);
         let families = Families::search(&cloud, horizon).unwrap();
-        assert!((0..100).all(|i| families.family(i).len() == 20), "mirrored families are all full");
+        assert!(
+            (0..100).all(|i| families.family(i).len() == 20),
+            "mirrored families are all full"
+        );
         let cloud = Arc::new(cloud);
         let around = Neighbourhood::new(cloud, Arc::new(families), Influence::default()).unwrap();
         // Σ ω ξ⊗ξ V = 20 V / 2 I with ω = 1/|ξ|².
@@ -152,6 +166,13 @@ mod tests {
         let horizon = horizons(&cloud, Horizon::Radius(0.25)).unwrap();
         let families = Families::search(&cloud, horizon).unwrap();
         let result = Neighbourhood::new(Arc::new(cloud), Arc::new(families), Influence::default());
-        assert!(matches!(result, Err(GeometryError::SingularShape { point: 0, found: 2, .. })));
+        assert!(matches!(
+            result,
+            Err(GeometryError::SingularShape {
+                point: 0,
+                found: 2,
+                ..
+            })
+        ));
     }
 }

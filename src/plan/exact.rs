@@ -15,7 +15,9 @@ use crate::reference::{
 /// # Errors
 /// A message that says what of the plan the solution does not cover.
 pub fn exact_pressure(plan: &Plan) -> Result<Option<Box<dyn ExactPressure>>, String> {
-    let Some(reference) = &plan.reference else { return Ok(None) };
+    let Some(reference) = &plan.reference else {
+        return Ok(None);
+    };
     Ok(Some(match reference.kind {
         ReferenceKind::FiveSpot => Box::new(five_spot(plan)?),
         ReferenceKind::TwoLayer => Box::new(two_layer(plan)?),
@@ -29,7 +31,8 @@ pub fn exact_pressure(plan: &Plan) -> Result<Option<Box<dyn ExactPressure>>, Str
 
 /// Exact rate through the domain along x in m^D/s, for the two-layer reference in steady state.
 pub fn exact_flux(plan: &Plan) -> Option<f64> {
-    plan.reference.filter(|reference| reference.kind == ReferenceKind::TwoLayer)?;
+    plan.reference
+        .filter(|reference| reference.kind == ReferenceKind::TwoLayer)?;
     let (_, size) = domain(plan).ok()?;
     Some(two_layer(plan).ok()?.steady_flux() * size[1..].iter().product::<f64>())
 }
@@ -39,7 +42,10 @@ pub fn exact_flux(plan: &Plan) -> Option<f64> {
 /// # Errors
 /// A message that says what does not fit.
 pub fn manufactured(plan: &Plan) -> Result<Option<Manufactured>, String> {
-    if plan.reference.is_none_or(|reference| reference.kind != ReferenceKind::Manufactured) {
+    if plan
+        .reference
+        .is_none_or(|reference| reference.kind != ReferenceKind::Manufactured)
+    {
         return Ok(None);
     }
     let (mobility, storage) = uniform(plan)?;
@@ -64,12 +70,14 @@ pub fn manufactured(plan: &Plan) -> Result<Option<Manufactured>, String> {
         .collect();
     let factor = match plan.time.mode {
         TimeMode::Steady => TimeFactor::Steady,
-        TimeMode::Transient => {
-            TimeFactor::Oscillation { angular_frequency: std::f64::consts::TAU / plan.time.end }
-        }
+        TimeMode::Transient => TimeFactor::Oscillation {
+            angular_frequency: std::f64::consts::TAU / plan.time.end,
+        },
     };
     let amplitude = 1.0;
-    Manufactured::new(&axes?, mobility, storage, amplitude, factor).map(Some).map_err(text)
+    Manufactured::new(&axes?, mobility, storage, amplitude, factor)
+        .map(Some)
+        .map_err(text)
 }
 
 fn text(error: impl ToString) -> String {
@@ -79,9 +87,15 @@ fn text(error: impl ToString) -> String {
 fn five_spot(plan: &Plan) -> Result<FiveSpot, String> {
     let (mobility, _) = uniform(plan)?;
     let (origin, size) = domain(plan)?;
-    require(size.len() == 2 && size[0] == size[1], "the five-spot needs a square")?;
+    require(
+        size.len() == 2 && size[0] == size[1],
+        "the five-spot needs a square",
+    )?;
     let sealed = |side: &SideCondition| *side == SideCondition::Sealed;
-    require(sides(plan)?.iter().take(4).all(sealed), "the five-spot needs sealed sides")?;
+    require(
+        sides(plan)?.iter().take(4).all(sealed),
+        "the five-spot needs sealed sides",
+    )?;
     let [first, second] = plan.wells.as_slice() else {
         return Err("the five-spot needs exactly two wells".to_owned());
     };
@@ -91,7 +105,10 @@ fn five_spot(plan: &Plan) -> Result<FiveSpot, String> {
         false => (second, first, second_rate),
     };
     let balanced = (first_rate + second_rate).abs() <= 1e-12 * rate.abs();
-    require(balanced, "the five-spot needs wells of equal and opposite rates")?;
+    require(
+        balanced,
+        "the five-spot needs wells of equal and opposite rates",
+    )?;
     let corner = |well: &WellPlan| -> Option<[bool; 2]> {
         let at = |axis: usize| (well.at[axis] - origin[axis]) / size[axis];
         let is_corner = |x: f64| x.abs() < 1e-9 || (x - 1.0).abs() < 1e-9;
@@ -100,7 +117,10 @@ fn five_spot(plan: &Plan) -> Result<FiveSpot, String> {
     let (Some(from), Some(to)) = (corner(injector), corner(producer)) else {
         return Err("the five-spot needs its wells on two corners".to_owned());
     };
-    require(from[0] != to[0] && from[1] != to[1], "the five-spot needs wells on opposite corners")?;
+    require(
+        from[0] != to[0] && from[1] != to[1],
+        "the five-spot needs wells on opposite corners",
+    )?;
     let corner = match from {
         [false, false] => InjectorCorner::LowerLeft,
         [true, false] => InjectorCorner::LowerRight,
@@ -122,16 +142,19 @@ fn two_layer(plan: &Plan) -> Result<TwoLayer, String> {
         (None, Some((x, true))) => (x, b, a),
         (None, Some((x, false))) => (x, a, b),
         (None, None) => {
-            return Err("the two-layer solution needs a material whose region is a half-plane \
+            return Err(
+                "the two-layer solution needs a material whose region is a half-plane \
                         across x"
-                .to_owned());
+                    .to_owned(),
+            );
         }
     };
     let sides = sides(plan)?;
     let end = |side: usize| match &sides[side] {
-        SideCondition::Pressure { value, hydrostatic: false } if value.is_constant() => {
-            Ok(value.at(0.0))
-        }
+        SideCondition::Pressure {
+            value,
+            hydrostatic: false,
+        } if value.is_constant() => Ok(value.at(0.0)),
         _ => Err(format!(
             "the two-layer solution needs a constant pressure on side {}",
             Side::from_index(side)
@@ -139,7 +162,11 @@ fn two_layer(plan: &Plan) -> Result<TwoLayer, String> {
     };
     let layer = |material: &MaterialPlan, thickness: f64| -> Result<Layer, String> {
         let mobility = permeability(material)? / plan.fluid.viscosity;
-        Ok(Layer { thickness, mobility, storage: material.storage })
+        Ok(Layer {
+            thickness,
+            mobility,
+            storage: material.storage,
+        })
     };
     let first = cut - origin[0];
     TwoLayer::new(TwoLayerParameters {
@@ -184,7 +211,11 @@ fn theis(plan: &Plan) -> Result<Theis, String> {
 }
 
 fn require(condition: bool, message: &str) -> Result<(), String> {
-    if condition { Ok(()) } else { Err(message.to_owned()) }
+    if condition {
+        Ok(())
+    } else {
+        Err(message.to_owned())
+    }
 }
 
 /// Mobility and storage of a plan with one uniform material.
@@ -192,24 +223,41 @@ fn uniform(plan: &Plan) -> Result<(f64, f64), String> {
     let [material] = plan.materials.as_slice() else {
         return Err("this reference needs exactly one material".to_owned());
     };
-    Ok((permeability(material)? / plan.fluid.viscosity, material.storage))
+    Ok((
+        permeability(material)? / plan.fluid.viscosity,
+        material.storage,
+    ))
 }
 
 fn permeability(material: &MaterialPlan) -> Result<f64, String> {
     match material.permeability {
         PermeabilityPlan::Uniform(value) => Ok(value),
-        _ => Err(format!("this reference needs a uniform permeability of \"{}\"", material.name)),
+        _ => Err(format!(
+            "this reference needs a uniform permeability of \"{}\"",
+            material.name
+        )),
     }
 }
 
 fn constant(well: &WellPlan) -> Result<f64, String> {
-    require(well.rate.is_constant(), "this reference needs constant well rates")?;
+    require(
+        well.rate.is_constant(),
+        "this reference needs constant well rates",
+    )?;
     Ok(well.rate.at(0.0))
 }
 
 fn domain(plan: &Plan) -> Result<(Vec<f64>, Vec<f64>), String> {
-    let bounds = plan.geometry.bounds().ok_or("this reference needs a box-shaped domain")?;
-    let size = bounds.0.iter().zip(&bounds.1).map(|(low, high)| high - low).collect();
+    let bounds = plan
+        .geometry
+        .bounds()
+        .ok_or("this reference needs a box-shaped domain")?;
+    let size = bounds
+        .0
+        .iter()
+        .zip(&bounds.1)
+        .map(|(low, high)| high - low)
+        .collect();
     Ok((bounds.0, size))
 }
 
@@ -231,13 +279,18 @@ impl GeometryPlan {
     /// Smallest and largest corner of the domain in metres, where planes are known.
     pub fn bounds(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let add = |origin: &[f64], size: &[f64]| -> (Vec<f64>, Vec<f64>) {
-            (origin.to_vec(), origin.iter().zip(size).map(|(o, s)| o + s).collect())
+            (
+                origin.to_vec(),
+                origin.iter().zip(size).map(|(o, s)| o + s).collect(),
+            )
         };
         match self {
             GeometryPlan::Lattice { origin, size, .. }
             | GeometryPlan::Blocks { origin, size, .. } => Some(add(origin, size)),
             GeometryPlan::Graded { origin, axes } => {
-                let length = |axis: &Vec<crate::geometry::generate::Segment>| axis.iter().map(|s| s.length).sum();
+                let length = |axis: &Vec<crate::geometry::generate::Segment>| {
+                    axis.iter().map(|s| s.length).sum()
+                };
                 Some(add(origin, &axes.iter().map(length).collect::<Vec<f64>>()))
             }
             GeometryPlan::Points { bounds, .. } => bounds.clone(),

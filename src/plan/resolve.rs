@@ -23,7 +23,11 @@ use crate::scene::{self, Condition, Diagnostic, LoadedScene, SceneErrors, Span, 
 /// divide the domain, an unknown solver, a reference that does not fit.
 pub fn resolve(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors> {
     let mut faults = Vec::new();
-    let plan = Resolver { loaded, faults: &mut faults }.plan(case);
+    let plan = Resolver {
+        loaded,
+        faults: &mut faults,
+    }
+    .plan(case);
     match plan {
         Some(plan) if faults.is_empty() => Ok(plan),
         _ => Err(loaded.errors(faults)),
@@ -37,15 +41,19 @@ struct Resolver<'a> {
 
 impl Resolver<'_> {
     fn fault<T>(&mut self, place: Span, message: impl ToString) -> Option<T> {
-        self.faults.push(Diagnostic::new(message.to_string()).at(place));
+        self.faults
+            .push(Diagnostic::new(message.to_string()).at(place));
         None
     }
 
     fn plan(&mut self, case: &str) -> Option<Plan> {
         let scene = &self.loaded.scene;
         let geometry = self.geometry();
-        let materials: Vec<Option<MaterialPlan>> =
-            scene.materials.iter().map(|entry| self.material(&entry.name, &entry.value)).collect();
+        let materials: Vec<Option<MaterialPlan>> = scene
+            .materials
+            .iter()
+            .map(|entry| self.material(&entry.name, &entry.value))
+            .collect();
         let solver = self.solver();
         let geometry = geometry?;
         let mut plan = Plan {
@@ -58,16 +66,18 @@ impl Resolver<'_> {
             materials: materials.into_iter().collect::<Option<_>>()?,
             fluid: fluid(scene),
             flow: scene.flow.as_ref().map(|flow| flow_plan(flow)),
-            gravity: scene
-                .gravity
-                .as_ref()
-                .map(|gravity| GravityPlan { acceleration: values(&gravity.acceleration) }),
+            gravity: scene.gravity.as_ref().map(|gravity| GravityPlan {
+                acceleration: values(&gravity.acceleration),
+            }),
             wells: wells(scene),
             time: time(&scene.time),
             scheme: scheme(scene),
             solver: solver?,
             output: output(&scene.output, &scene.time),
-            reference: scene.reference.as_ref().map(|reference| reference_plan(reference)),
+            reference: scene
+                .reference
+                .as_ref()
+                .map(|reference| reference_plan(reference)),
             warnings: Vec::new(),
         };
         self.check_reference(&plan);
@@ -79,7 +89,9 @@ impl Resolver<'_> {
     fn geometry(&mut self) -> Option<GeometryPlan> {
         let geometry = &self.loaded.scene.geometry;
         let origin = |given: &Option<Spanned<Vec<Length>>>, dimension: usize| {
-            given.as_ref().map_or_else(|| vec![0.0; dimension], |origin| values(origin))
+            given
+                .as_ref()
+                .map_or_else(|| vec![0.0; dimension], |origin| values(origin))
         };
         match &geometry.value {
             scene::Geometry::Lattice(lattice) => {
@@ -94,7 +106,11 @@ impl Resolver<'_> {
             }
             scene::Geometry::Graded(graded) => Some(GeometryPlan::Graded {
                 origin: origin(&graded.origin, graded.axes.len()),
-                axes: graded.axes.iter().map(|axis| axis.iter().map(segment).collect()).collect(),
+                axes: graded
+                    .axes
+                    .iter()
+                    .map(|axis| axis.iter().map(segment).collect())
+                    .collect(),
             }),
             scene::Geometry::Blocks(blocks) => {
                 let size = values(&blocks.size);
@@ -118,8 +134,9 @@ impl Resolver<'_> {
             return Some(points.iter().map(|n| n.value as usize).collect());
         }
         let spacing = lattice.spacing?;
-        let cells: Result<Vec<usize>, _> =
-            (0..size.len()).map(|axis| divide(size[axis], spacing.value(), axis)).collect();
+        let cells: Result<Vec<usize>, _> = (0..size.len())
+            .map(|axis| divide(size[axis], spacing.value(), axis))
+            .collect();
         match cells {
             Ok(cells) => Some(cells),
             Err(error) => self.fault(spacing.span(), error),
@@ -131,8 +148,10 @@ impl Resolver<'_> {
         match read_points(&path) {
             Err(error) => self.fault(file.path.span, error),
             Ok(table) => {
-                let bounds =
-                    file.bounds.as_ref().map(|bounds| (values(&bounds.min), values(&bounds.max)));
+                let bounds = file
+                    .bounds
+                    .as_ref()
+                    .map(|bounds| (values(&bounds.min), values(&bounds.max)));
                 if let (Some(given), Some((min, _))) = (&file.bounds, &bounds)
                     && min.len() != table.dimension
                 {
@@ -144,7 +163,11 @@ impl Resolver<'_> {
                     );
                     return self.fault(given.min.span, message);
                 }
-                Some(GeometryPlan::Points { path: file.path.value.clone(), table, bounds })
+                Some(GeometryPlan::Points {
+                    path: file.path.value.clone(),
+                    table,
+                    bounds,
+                })
             }
         }
     }
@@ -156,7 +179,9 @@ impl Resolver<'_> {
             scene::PermeabilityField::Distribution(field) => PermeabilityPlan::LogNormal {
                 median: field.median.value(),
                 log10_std: field.log10_std.value(),
-                decades: field.decades.map_or(f64::INFINITY, |decades| decades.value()),
+                decades: field
+                    .decades
+                    .map_or(f64::INFINITY, |decades| decades.value()),
                 correlation_length: field.correlation_length.map(|length| length.value()),
                 seed: field.seed,
             },
@@ -174,9 +199,10 @@ impl Resolver<'_> {
         let column = file.column.as_ref().map(|column| column.value.as_str());
         let read: Result<Vec<f64>, FileError> = read_permeability(&path, column);
         match read {
-            Ok(values) => {
-                Some(PermeabilityPlan::Table { path: file.file.value.clone(), values })
-            }
+            Ok(values) => Some(PermeabilityPlan::Table {
+                path: file.file.value.clone(),
+                values,
+            }),
             Err(error) => self.fault(file.file.span, error),
         }
     }
@@ -191,11 +217,20 @@ impl Resolver<'_> {
 
     /// A cloud without planes has no sides to put conditions on.
     fn check_planes(&mut self, plan: &Plan) {
-        let Some(flow) = self.loaded.scene.flow.as_ref().filter(|_| plan.geometry.bounds().is_none())
+        let Some(flow) = self
+            .loaded
+            .scene
+            .flow
+            .as_ref()
+            .filter(|_| plan.geometry.bounds().is_none())
         else {
             return;
         };
-        let sides: Vec<Span> = flow.boundary.iter().map(|(_, condition)| condition.span).collect();
+        let sides: Vec<Span> = flow
+            .boundary
+            .iter()
+            .map(|(_, condition)| condition.span)
+            .collect();
         for place in sides {
             self.fault::<()>(
                 place,
@@ -206,9 +241,10 @@ impl Resolver<'_> {
     }
 
     fn check_reference(&mut self, plan: &Plan) {
-        if let (Err(message), Some(reference)) =
-            (super::exact::exact_pressure(plan), &self.loaded.scene.reference)
-        {
+        if let (Err(message), Some(reference)) = (
+            super::exact::exact_pressure(plan),
+            &self.loaded.scene.reference,
+        ) {
             self.fault::<()>(reference.kind.span, message);
         }
     }
@@ -219,7 +255,11 @@ fn segment(segment: &scene::Segment) -> Segment {
         scene::SegmentSpacing::Value(spacing) => (spacing.value(), spacing.value()),
         scene::SegmentSpacing::List([first, last]) => (first.value(), last.value()),
     };
-    Segment { length: segment.length.value(), first, last }
+    Segment {
+        length: segment.length.value(),
+        first,
+        last,
+    }
 }
 
 fn horizon(horizon: &scene::Horizon) -> Horizon {
@@ -253,7 +293,11 @@ fn storage(scene: &scene::Scene, material: &scene::Material) -> f64 {
     match material.storage() {
         None => 1.0,
         Some(scene::Storage::Given(storage)) => storage,
-        Some(scene::Storage::Derived { porosity, biot_coefficient, bulk_modulus }) => {
+        Some(scene::Storage::Derived {
+            porosity,
+            biot_coefficient,
+            bulk_modulus,
+        }) => {
             let fluid = scene.fluid.as_ref().and_then(|fluid| fluid.bulk_modulus);
             let fluid = fluid.map_or(f64::INFINITY, |modulus| modulus.value());
             storage_coefficient(porosity, biot_coefficient, bulk_modulus, fluid)
@@ -264,7 +308,11 @@ fn storage(scene: &scene::Scene, material: &scene::Material) -> f64 {
 fn flow_plan(flow: &scene::Flow) -> FlowPlan {
     let mut sides = vec![SideCondition::Sealed; 6];
     for (side, condition) in flow.boundary.iter() {
-        let index = Side { axis: side.axis(), upper: side.is_high() }.index();
+        let index = Side {
+            axis: side.axis(),
+            upper: side.is_high(),
+        }
+        .index();
         sides[index] = match &condition.value {
             Condition::Sealed(_) => SideCondition::Sealed,
             Condition::Flux(flux) => SideCondition::Flux(flux.flux.resolved()),
@@ -312,9 +360,15 @@ fn wells(scene: &scene::Scene) -> Vec<WellPlan> {
 fn time(time: &scene::TimeControl) -> TimePlan {
     let steady = time.is_steady();
     TimePlan {
-        mode: if steady { TimeMode::Steady } else { TimeMode::Transient },
+        mode: if steady {
+            TimeMode::Steady
+        } else {
+            TimeMode::Transient
+        },
         end: time.end.filter(|_| !steady).map_or(0.0, |end| end.value()),
-        step: time.step.map_or(StepRule::Adaptive, |step| StepRule::Fixed(step.value())),
+        step: time
+            .step
+            .map_or(StepRule::Adaptive, |step| StepRule::Fixed(step.value())),
         tolerance: time.tolerance.value(),
         first_step: time.first_step.map(|step| step.value()),
         max_step: time.max_step.map(|step| step.value()),
@@ -333,7 +387,10 @@ fn scheme(scene: &scene::Scene) -> SchemeChoice {
 
 fn output(output: &scene::Output, time: &scene::TimeControl) -> OutputPlan {
     let end = time.end.map_or(0.0, |end| end.value());
-    let mut times = output.times.as_ref().map_or_else(Vec::new, |times| values(times));
+    let mut times = output
+        .times
+        .as_ref()
+        .map_or_else(Vec::new, |times| values(times));
     if let Some(every) = output.every {
         let count = (end / every.value() * (1.0 + 1e-12)).floor() as usize;
         times = (1..=count).map(|k| k as f64 * every.value()).collect();
@@ -345,7 +402,10 @@ fn output(output: &scene::Output, time: &scene::TimeControl) -> OutputPlan {
         probes: output
             .probes
             .iter()
-            .map(|entry| Probe { name: entry.name.clone(), at: values(&entry.value.at) })
+            .map(|entry| Probe {
+                name: entry.name.clone(),
+                at: values(&entry.value.at),
+            })
             .collect(),
         profiles: output
             .profiles
@@ -375,13 +435,24 @@ fn reference_plan(reference: &scene::Reference) -> ReferencePlan {
 /// Doubts about the plan that do not stop it.
 fn warnings(plan: &Plan) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else { return warnings };
+    let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else {
+        return warnings;
+    };
     for side in Side::all(plan.dimension) {
         let along = |axis: &usize| *axis != side.axis && gravity.acceleration[*axis] != 0.0;
-        let uniform = SideCondition::Pressure { value: crate::load::Load::constant(0.0), hydrostatic: false };
+        let uniform = SideCondition::Pressure {
+            value: crate::load::Load::constant(0.0),
+            hydrostatic: false,
+        };
         let is_uniform = std::mem::discriminant(&flow.sides[side.index()])
             == std::mem::discriminant(&uniform)
-            && !matches!(flow.sides[side.index()], SideCondition::Pressure { hydrostatic: true, .. });
+            && !matches!(
+                flow.sides[side.index()],
+                SideCondition::Pressure {
+                    hydrostatic: true,
+                    ..
+                }
+            );
         if is_uniform && (0..plan.dimension).any(|axis| along(&axis)) {
             warnings.push(format!(
                 "the pressure on side {side} is uniform although gravity acts along it: fluid will \

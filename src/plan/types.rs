@@ -3,10 +3,10 @@
 use perifrac_solvers::SolverSpec;
 use serde::Serialize;
 
+use super::Load;
+use super::files::PointTable;
 use crate::geometry::generate::{Refinement, Segment};
 use crate::geometry::{Horizon, Influence, Shape};
-use super::files::PointTable;
-use super::Load;
 
 /// A scene resolved to what will be computed.
 #[derive(Debug, Clone)]

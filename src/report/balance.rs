@@ -39,7 +39,10 @@ impl Flows {
         self.gross += weight * other.gross;
         self.fixed += weight * other.fixed;
         self.outflow.resize(other.outflow.len(), 0.0);
-        self.outflow.iter_mut().zip(&other.outflow).for_each(|(own, o)| *own += weight * o);
+        self.outflow
+            .iter_mut()
+            .zip(&other.outflow)
+            .for_each(|(own, o)| *own += weight * o);
     }
 }
 
@@ -68,7 +71,12 @@ mod tests {
 
     #[test]
     fn a_closed_balance_is_zero_and_a_leak_shows() {
-        let flows = Flows { injected: 3.0, gross: 3.0, outflow: vec![1.0, -0.5], fixed: 0.5 };
+        let flows = Flows {
+            injected: 3.0,
+            gross: 3.0,
+            outflow: vec![1.0, -0.5],
+            fixed: 0.5,
+        };
         let mut balance = Balance::default();
         balance.add(&flows);
         balance.close(3.0);

@@ -30,7 +30,10 @@ impl Timers {
 
     /// Seconds of a phase; zero if it never ran.
     pub fn seconds(&self, phase: &str) -> f64 {
-        self.phases.iter().find(|(name, _)| *name == phase).map_or(0.0, |(_, seconds)| *seconds)
+        self.phases
+            .iter()
+            .find(|(name, _)| *name == phase)
+            .map_or(0.0, |(_, seconds)| *seconds)
     }
 
     /// Phases and seconds.

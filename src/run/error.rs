@@ -46,5 +46,7 @@ pub enum RunError {
 }
 
 fn kept(last_output: &Option<f64>) -> String {
-    last_output.map_or(String::new(), |time| format!("; the output at t = {time:.6e} s is kept"))
+    last_output.map_or(String::new(), |time| {
+        format!("; the output at t = {time:.6e} s is kept")
+    })
 }

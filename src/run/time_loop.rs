@@ -56,9 +56,17 @@ pub fn run<const D: usize>(
     let started = Instant::now();
     let mut timers = Timers::default();
     let model = Model::<D>::build(plan, &mut timers)?;
-    let warnings: Vec<String> = plan.warnings.iter().chain(&model.warnings).cloned().collect();
+    let warnings: Vec<String> = plan
+        .warnings
+        .iter()
+        .chain(&model.warnings)
+        .cloned()
+        .collect();
     warnings.iter().for_each(|warning| observer.warn(warning));
-    let state = State { time: 0.0, pressure: model.flow.initial.clone() };
+    let state = State {
+        time: 0.0,
+        pressure: model.flow.initial.clone(),
+    };
     let mut run = Run {
         plan,
         model,
@@ -84,7 +92,11 @@ pub fn run<const D: usize>(
     run.finish(counters, solver, limit, wall)
 }
 
-type Effort = (SchemeCounters, Option<(String, String)>, Option<schemes::StepLimit>);
+type Effort = (
+    SchemeCounters,
+    Option<(String, String)>,
+    Option<schemes::StepLimit>,
+);
 
 struct Run<'a, const D: usize> {
     plan: &'a Plan,
@@ -105,7 +117,11 @@ struct Run<'a, const D: usize> {
 
 impl<const D: usize> Run<'_, D> {
     fn failed(&self, source: StepError) -> RunError {
-        RunError::Step { scheme: self.scheme_name.clone(), source, last_output: self.last_output }
+        RunError::Step {
+            scheme: self.scheme_name.clone(),
+            source,
+            last_output: self.last_output,
+        }
     }
 
     fn steady(&mut self) -> Result<Effort, RunError> {
@@ -145,13 +161,17 @@ impl<const D: usize> Run<'_, D> {
                 Ok(report) => report,
                 Err(error) => {
                     self.rejected += 1;
-                    if matches!(error, StepError::Unstable { .. }) || !control.cut(dt, 1e-12 * plan.time.end) {
+                    if matches!(error, StepError::Unstable { .. })
+                        || !control.cut(dt, 1e-12 * plan.time.end)
+                    {
                         return Err(self.failed(error));
                     }
                     continue;
                 }
             };
-            let relative = report.error.map(|error| if range > 0.0 { error / range } else { 0.0 });
+            let relative = report
+                .error
+                .map(|error| if range > 0.0 { error / range } else { 0.0 });
             if !control.judge(relative, dt) {
                 self.rejected += 1;
                 continue;
@@ -231,12 +251,21 @@ impl<const D: usize> Run<'_, D> {
         }
         let mut probe = Implicit::new(Integrator::BackwardEuler, &self.plan.solver, &self.model)?;
         let mut far = self.state.clone();
-        Scheme::<D>::step(&mut probe, &self.model, &self.state, self.plan.time.end, &mut far)?;
+        Scheme::<D>::step(
+            &mut probe,
+            &self.model,
+            &self.state,
+            self.plan.time.end,
+            &mut far,
+        )?;
         Ok(spread(&far.pressure, &self.model.flow.prescribed(far.time)))
     }
 
     fn range(&self) -> f64 {
-        spread(&self.state.pressure, &self.model.flow.prescribed(self.state.time))
+        spread(
+            &self.state.pressure,
+            &self.model.flow.prescribed(self.state.time),
+        )
     }
 
     fn start_history(&mut self) -> Result<(), RunError> {
@@ -251,8 +280,17 @@ impl<const D: usize> Run<'_, D> {
         if self.plan.time.mode == TimeMode::Transient {
             self.balance.close(stored);
         }
-        let Some(writer) = &mut self.writer else { return Ok(()) };
-        writer.history(self.plan, &self.model, &self.state, dt, report.iterations, &self.balance)?;
+        let Some(writer) = &mut self.writer else {
+            return Ok(());
+        };
+        writer.history(
+            self.plan,
+            &self.model,
+            &self.state,
+            dt,
+            report.iterations,
+            &self.balance,
+        )?;
         Ok(())
     }
 
@@ -273,8 +311,9 @@ impl<const D: usize> Run<'_, D> {
     ) -> Result<(Summary, State), RunError> {
         let flow = &self.model.flow;
         let rates = flow.outflow(&self.state.pressure, self.state.time);
-        let outflow: BTreeMap<&'static str, f64> =
-            Side::all(D).map(|side| (side.name(), rates[side.index()])).collect();
+        let outflow: BTreeMap<&'static str, f64> = Side::all(D)
+            .map(|side| (side.name(), rates[side.index()]))
+            .collect();
         let mut summary = Summary {
             case: self.plan.case.clone(),
             version: env!("CARGO_PKG_VERSION"),
@@ -314,23 +353,45 @@ impl<const D: usize> Run<'_, D> {
 
     fn errors(&self, outflow: &[f64]) -> BTreeMap<&'static str, FieldError> {
         let mut errors = BTreeMap::new();
-        let Ok(Some(exact)) = exact_pressure(self.plan) else { return errors };
+        let Ok(Some(exact)) = exact_pressure(self.plan) else {
+            return errors;
+        };
         let cloud = &self.model.cloud;
         let steady = self.plan.time.mode == TimeMode::Steady;
-        let manufactured =
-            self.plan.reference.is_some_and(|r| r.kind == ReferenceKind::Manufactured);
-        let time = if steady && !manufactured { f64::INFINITY } else { self.state.time };
+        let manufactured = self
+            .plan
+            .reference
+            .is_some_and(|r| r.kind == ReferenceKind::Manufactured);
+        let time = if steady && !manufactured {
+            f64::INFINITY
+        } else {
+            self.state.time
+        };
         let positions = cloud.position.iter().map(|x| x.as_slice());
-        let norms =
-            ErrorNorms::against(&*exact, time, positions, &cloud.volume, &self.state.pressure);
+        let norms = ErrorNorms::against(
+            &*exact,
+            time,
+            positions,
+            &cloud.volume,
+            &self.state.pressure,
+        );
         if let Ok(norms) = norms {
             errors.insert("pressure", norms.into());
         }
         if let Some(exact) = exact_flux(self.plan).filter(|_| steady) {
-            let right = Side { axis: 0, upper: true };
+            let right = Side {
+                axis: 0,
+                upper: true,
+            };
             let error = (outflow[right.index()] - exact).abs() / exact.abs();
             let (compared, excluded) = (1, 0);
-            let flux = FieldError { l2: error, max: error, range: exact.abs(), compared, excluded };
+            let flux = FieldError {
+                l2: error,
+                max: error,
+                range: exact.abs(),
+                compared,
+                excluded,
+            };
             errors.insert("flux", flux);
         }
         errors
@@ -366,7 +427,9 @@ fn clamp(dt: f64, remaining: f64) -> f64 {
 
 fn extremes(values: &[f64]) -> [f64; 2] {
     let start = [f64::INFINITY, f64::NEG_INFINITY];
-    values.iter().fold(start, |[low, high], &v| [low.min(v), high.max(v)])
+    values
+        .iter()
+        .fold(start, |[low, high], &v| [low.min(v), high.max(v)])
 }
 
 /// Largest minus smallest of the pressures and the prescribed ones.
@@ -391,13 +454,23 @@ struct Stops {
 impl Stops {
     fn new(plan: &Plan, breakpoints: &[f64]) -> Self {
         let end = plan.time.end;
-        let outputs = plan.output.times.iter().map(|&time| Stop { time, output: true });
-        let breaks = breakpoints.iter().map(|&time| Stop { time, output: false });
+        let outputs = plan
+            .output
+            .times
+            .iter()
+            .map(|&time| Stop { time, output: true });
+        let breaks = breakpoints.iter().map(|&time| Stop {
+            time,
+            output: false,
+        });
         let mut stops: Vec<Stop> = outputs
             .chain(breaks)
             .filter(|stop| stop.time > 0.0 && stop.time < end * (1.0 - 1e-12))
             .collect();
-        stops.push(Stop { time: end, output: true });
+        stops.push(Stop {
+            time: end,
+            output: true,
+        });
         stops.sort_by(|a, b| a.time.total_cmp(&b.time).then(b.output.cmp(&a.output)));
         stops.dedup_by(|b, a| b.time - a.time <= 1e-12 * end);
         let mut stops = stops.into_iter();

@@ -39,7 +39,9 @@ impl Writer {
     /// [`OutputError`] for a folder that cannot be used.
     pub fn create(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
         clear(folder)?;
-        write_atomically(folder.join(MARK), |file| file.write_all(resolved.as_bytes()))?;
+        write_atomically(folder.join(MARK), |file| {
+            file.write_all(resolved.as_bytes())
+        })?;
         Ok(Writer {
             folder: folder.to_owned(),
             pvd: None,
@@ -60,11 +62,21 @@ impl Writer {
     /// # Errors
     /// [`OutputError`].
     pub fn start_history<const D: usize>(&mut self, plan: &Plan) -> Result<(), OutputError> {
-        let mut columns: Vec<String> =
-            ["time_s", "step_s", "iterations", "pressure_min_Pa", "pressure_max_Pa"]
-                .map(str::to_owned)
-                .to_vec();
-        columns.extend(plan.output.probes.iter().map(|p| format!("pressure_{}_Pa", p.name)));
+        let mut columns: Vec<String> = [
+            "time_s",
+            "step_s",
+            "iterations",
+            "pressure_min_Pa",
+            "pressure_max_Pa",
+        ]
+        .map(str::to_owned)
+        .to_vec();
+        columns.extend(
+            plan.output
+                .probes
+                .iter()
+                .map(|p| format!("pressure_{}_Pa", p.name)),
+        );
         let volume = format!("m{D}");
         columns.extend(Side::all(D).map(|side| format!("outflow_{side}_{volume}_per_s")));
         columns.extend(["injected", "outflow", "stored"].map(|name| format!("{name}_{volume}")));
@@ -96,10 +108,17 @@ impl Writer {
         let mut row = vec![state.time, dt, iterations as f64, low, high];
         let probes = plan.output.probes.iter();
         row.extend(probes.map(|probe| {
-            model.flow.pressure_at(pressure, state.time, &vector(&probe.at))
+            model
+                .flow
+                .pressure_at(pressure, state.time, &vector(&probe.at))
         }));
         row.extend(model.flow.outflow(pressure, state.time));
-        row.extend([balance.injected, balance.outflow, balance.stored, balance.mass]);
+        row.extend([
+            balance.injected,
+            balance.outflow,
+            balance.stored,
+            balance.mass,
+        ]);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }
@@ -124,14 +143,24 @@ impl Writer {
             self.vtu(&name, model, state)?;
             let pvd = match &mut self.pvd {
                 Some(pvd) => pvd,
-                None => self.pvd.insert(Pvd::create(self.folder.join("fields.pvd"))?),
+                None => self
+                    .pvd
+                    .insert(Pvd::create(self.folder.join("fields.pvd"))?),
             };
             pvd.add(state.time, self.folder.join(name))?;
         }
         if plan.output.plots {
             let time = (plan.time.mode == TimeMode::Transient).then_some(state.time);
             let name = format!("pressure-{number:04}.png");
-            self.picture(&name, "pressure", "Pa", model, &state.pressure, time, Scale::Linear)?;
+            self.picture(
+                &name,
+                "pressure",
+                "Pa",
+                model,
+                &state.pressure,
+                time,
+                Scale::Linear,
+            )?;
         }
         Ok(())
     }
@@ -149,7 +178,12 @@ impl Writer {
             .flat_map(|v| v.iter().copied())
             .collect();
         let material: Vec<f64> = model.material.iter().map(|&m| f64::from(m)).collect();
-        let field = |name, unit, components, values| Field { name, unit, components, values };
+        let field = |name, unit, components, values| Field {
+            name,
+            unit,
+            components,
+            values,
+        };
         write_vtu(
             self.folder.join(name),
             &VtuData {
@@ -168,7 +202,10 @@ impl Writer {
     }
 
     /// Picture of a field: the whole plane in 2-D, the middle layer of points in 3-D.
-    #[expect(clippy::too_many_arguments, reason = "a picture is described by this many things")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a picture is described by this many things"
+    )]
     fn picture<const D: usize>(
         &self,
         name: &str,
@@ -181,12 +218,21 @@ impl Writer {
     ) -> Result<(), OutputError> {
         let cloud = &model.cloud;
         let shown = shown_points(model);
-        let positions: Vec<f64> =
-            shown.iter().flat_map(|&i| [cloud.position[i][0], cloud.position[i][1]]).collect();
+        let positions: Vec<f64> = shown
+            .iter()
+            .flat_map(|&i| [cloud.position[i][0], cloud.position[i][1]])
+            .collect();
         // Squares as large as the longer edge: narrow cells of tensor grids leave no gaps.
-        let sizes: Vec<f64> = shown.iter().map(|&i| cloud.cell[i].fixed_rows::<2>(0).max()).collect();
+        let sizes: Vec<f64> = shown
+            .iter()
+            .map(|&i| cloud.cell[i].fixed_rows::<2>(0).max())
+            .collect();
         let values: Vec<f64> = shown.iter().map(|&i| values[i]).collect();
-        let title = if D == 3 { format!("{title}, middle layer") } else { title.to_owned() };
+        let title = if D == 3 {
+            format!("{title}, middle layer")
+        } else {
+            title.to_owned()
+        };
         field_png(
             self.folder.join(name),
             &FieldPlot {
@@ -226,20 +272,35 @@ impl Writer {
         let (low, high) = model
             .permeability
             .iter()
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), &k| (low.min(k), high.max(k)));
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), &k| {
+                (low.min(k), high.max(k))
+            });
         if high <= low * (1.0 + 1e-12) {
             return Ok(());
         }
-        let scale = if high > 30.0 * low { Scale::Log10 } else { Scale::Linear };
+        let scale = if high > 30.0 * low {
+            Scale::Log10
+        } else {
+            Scale::Linear
+        };
         let values = &model.permeability;
-        self.picture("permeability.png", "permeability", "m²", model, values, None, scale)
+        self.picture(
+            "permeability.png",
+            "permeability",
+            "m²",
+            model,
+            values,
+            None,
+            scale,
+        )
     }
 
     fn history_plots(&self, plan: &Plan) -> Result<(), OutputError> {
         if plan.time.mode == TimeMode::Steady || self.rows.len() < 2 {
             return Ok(());
         }
-        let column = |index: usize| -> Vec<f64> { self.rows.iter().map(|row| row[index]).collect() };
+        let column =
+            |index: usize| -> Vec<f64> { self.rows.iter().map(|row| row[index]).collect() };
         let time = column(0);
         let first = 5;
         let data: Vec<Vec<f64>> = match plan.output.probes.len() {
@@ -248,7 +309,12 @@ impl Writer {
         };
         let labels: Vec<String> = match plan.output.probes.len() {
             0 => vec!["smallest".to_owned(), "largest".to_owned()],
-            _ => plan.output.probes.iter().map(|probe| probe.name.clone()).collect(),
+            _ => plan
+                .output
+                .probes
+                .iter()
+                .map(|probe| probe.name.clone())
+                .collect(),
         };
         lines_svg(
             self.folder.join("history-pressure.svg"),
@@ -292,14 +358,26 @@ impl Writer {
                 .map(|k| from + (to - from) * (k as f64 / (profile.points.max(2) - 1) as f64))
                 .collect();
             let distance: Vec<f64> = places.iter().map(|x| (x - from).norm()).collect();
-            let computed: Vec<f64> = places.iter().map(|x| model.flow.pressure_at(&state.pressure, state.time, x)).collect();
+            let computed: Vec<f64> = places
+                .iter()
+                .map(|x| model.flow.pressure_at(&state.pressure, state.time, x))
+                .collect();
             let reference: Option<Vec<f64>> = exact.as_ref().map(|exact| {
-                places.iter().map(|x| finite(exact.pressure(x.as_slice(), time))).collect()
+                places
+                    .iter()
+                    .map(|x| finite(exact.pressure(x.as_slice(), time)))
+                    .collect()
             });
             self.profile_table(&profile.name, &distance, &computed, reference.as_deref())?;
             if plan.output.plots {
                 let title = format!("{}: pressure along {}", plan.title, profile.name);
-                self.profile_plot(&profile.name, &title, &distance, &computed, reference.as_deref())?;
+                self.profile_plot(
+                    &profile.name,
+                    &title,
+                    &distance,
+                    &computed,
+                    reference.as_deref(),
+                )?;
             }
         }
         Ok(())
@@ -332,7 +410,12 @@ impl Writer {
         computed: &[f64],
         exact: Option<&[f64]>,
     ) -> Result<(), OutputError> {
-        let line = |label, y, style| Series { label, x: distance, y, style };
+        let line = |label, y, style| Series {
+            label,
+            x: distance,
+            y,
+            style,
+        };
         let mut series = vec![line("computed", computed, LineStyle::Line)];
         series.extend(exact.map(|y| line("exact", y, LineStyle::Dashed)));
         lines_svg(
@@ -364,7 +447,12 @@ fn finite(value: f64) -> f64 {
 }
 
 fn series<'a>(labels: &'a [String], x: &'a [f64], data: &'a [Vec<f64>]) -> Vec<Series<'a>> {
-    let line = |(label, y): (&'a String, &'a Vec<f64>)| Series { label, x, y, style: LineStyle::Line };
+    let line = |(label, y): (&'a String, &'a Vec<f64>)| Series {
+        label,
+        x,
+        y,
+        style: LineStyle::Line,
+    };
     labels.iter().zip(data).map(line).collect()
 }
 
@@ -378,7 +466,10 @@ fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
     let within = |&i: &usize| (cloud.position[i][2] - middle).abs() <= 0.5001 * cloud.cell[i][2];
     let near: Vec<usize> = (0..cloud.len()).filter(within).collect();
     // An even number of layers has two beside the middle; one is enough.
-    let lowest = near.iter().map(|&i| cloud.position[i][2]).fold(f64::INFINITY, f64::min);
+    let lowest = near
+        .iter()
+        .map(|&i| cloud.position[i][2])
+        .fold(f64::INFINITY, f64::min);
     near.into_iter()
         .filter(|&i| cloud.position[i][2] < lowest + 0.25 * cloud.cell[i][2])
         .collect()
@@ -394,7 +485,9 @@ fn clear(folder: &Path) -> Result<(), OutputError> {
         .and_then(|entries| entries.map(|entry| entry.map(|e| e.path())).collect())
         .map_err(io)?;
     if !entries.is_empty() && !folder.join(MARK).exists() {
-        return Err(OutputError::Foreign { path: folder.to_owned() });
+        return Err(OutputError::Foreign {
+            path: folder.to_owned(),
+        });
     }
     for path in entries.iter().filter(|path| is_result(path)) {
         std::fs::remove_file(path).map_err(io)?;
@@ -403,7 +496,18 @@ fn clear(folder: &Path) -> Result<(), OutputError> {
 }
 
 fn is_result(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let own = ["fields", "pressure-", "permeability", "history", "profile-", "summary.json", MARK];
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    let own = [
+        "fields",
+        "pressure-",
+        "permeability",
+        "history",
+        "profile-",
+        "summary.json",
+        MARK,
+    ];
     path.is_file() && own.iter().any(|start| name.starts_with(start))
 }

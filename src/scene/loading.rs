@@ -223,7 +223,10 @@ end = "10 s"
         assert_eq!(once.resolved_toml(), twice.resolved_toml());
         assert_eq!(twice.scene.time.end.unwrap().value(), 30.0);
         assert_eq!(twice.scene.time.first_step.unwrap().value(), 0.5);
-        assert_eq!(twice.scene.wells.get("w").unwrap().rate.resolved().at(0.0), 1e-6);
+        assert_eq!(
+            twice.scene.wells.get("w").unwrap().rate.resolved().at(0.0),
+            1e-6
+        );
     }
 
     #[test]

@@ -65,15 +65,20 @@ impl Shape {
     /// The shape in SI numbers.
     pub fn resolved(&self) -> geometry::Shape {
         match self {
-            Self::Box(shape) => {
-                geometry::Shape::Box { min: values(&shape.min), max: values(&shape.max) }
-            }
+            Self::Box(shape) => geometry::Shape::Box {
+                min: values(&shape.min),
+                max: values(&shape.max),
+            },
             Self::Disc(shape) => geometry::Shape::Disc {
                 centre: values(&shape.centre),
                 radius: shape.radius.value(),
             },
             Self::Polygon(shape) => geometry::Shape::Polygon {
-                vertices: shape.vertices.iter().map(|v| v.map(|x| x.value())).collect(),
+                vertices: shape
+                    .vertices
+                    .iter()
+                    .map(|v| v.map(|x| x.value()))
+                    .collect(),
             },
             Self::HalfPlane(shape) => geometry::Shape::HalfPlane {
                 point: values(&shape.point),
@@ -94,7 +99,10 @@ mod tests {
 
     fn check(shape: &Shape, inside: &[&[f64]], outside: &[&[f64]]) {
         for position in inside {
-            assert!(shape.resolved().contains(position), "{position:?} is in {shape:?}");
+            assert!(
+                shape.resolved().contains(position),
+                "{position:?} is in {shape:?}"
+            );
         }
         for position in outside {
             assert!(
@@ -149,7 +157,10 @@ mod tests {
             inside,
             &[&[2.0, 1.5], &[5.0, 0.0], &[-1.0, 0.0], &[2.0, 4.0]],
         );
-        assert!(shape.resolved().contains(&[2.0, 0.5, 99.0]), "z does not matter");
+        assert!(
+            shape.resolved().contains(&[2.0, 0.5, 99.0]),
+            "z does not matter"
+        );
     }
 
     #[test]

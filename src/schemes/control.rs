@@ -29,12 +29,26 @@ impl StepControl {
             StepRule::Adaptive => (first, false),
         };
         let max = time.max_step.unwrap_or(f64::INFINITY);
-        StepControl { dt: dt.min(max), tolerance: time.tolerance, order, max, fixed, previous: None }
+        StepControl {
+            dt: dt.min(max),
+            tolerance: time.tolerance,
+            order,
+            max,
+            fixed,
+            previous: None,
+        }
     }
 
     /// Constant step.
     pub fn constant(dt: f64) -> Self {
-        StepControl { dt, tolerance: 1.0, order: 1.0, max: dt, fixed: true, previous: None }
+        StepControl {
+            dt,
+            tolerance: 1.0,
+            order: 1.0,
+            max: dt,
+            fixed: true,
+            previous: None,
+        }
     }
 
     /// Step to try next, s.
@@ -52,7 +66,9 @@ impl StepControl {
     ///
     /// A step shortened to end at a stop says nothing about whether the next could be longer.
     pub fn judge(&mut self, relative_error: Option<f64>, tried: f64) -> bool {
-        let Some(error) = relative_error.filter(|_| !self.fixed) else { return true };
+        let Some(error) = relative_error.filter(|_| !self.fixed) else {
+            return true;
+        };
         let scaled = (error / self.tolerance).max(1e-10);
         if scaled > 1.0 {
             self.dt = tried * (CAUTION * scaled.powf(-1.0 / self.order)).clamp(MOST_CUT, 0.7);

@@ -62,7 +62,10 @@ impl ForwardEuler {
             return Ok(());
         }
         if let Some(point) = trial.pressure.iter().position(|p| !p.is_finite()) {
-            return Err(StepError::NotFinite { point, time: trial.time });
+            return Err(StepError::NotFinite {
+                point,
+                time: trial.time,
+            });
         }
         // C (p₁ − p₀)/Δt is the imbalance; its C⁻¹ norm is that of √C (p₁ − p₀)/Δt.
         let change: Vec<f64> = (trial.pressure.iter().zip(&old.pressure).zip(&flow.capacity))
@@ -76,7 +79,12 @@ impl ForwardEuler {
         let reference = if self.constant { UNSTABLE } else { 1e6 } * self.watch.largest;
         if size > reference && dt > self.limit.dt {
             let growth = size / self.watch.largest;
-            return Err(StepError::Unstable { time: trial.time, growth, dt, limit: self.limit.dt });
+            return Err(StepError::Unstable {
+                time: trial.time,
+                growth,
+                dt,
+                limit: self.limit.dt,
+            });
         }
         Ok(())
     }
@@ -91,12 +99,17 @@ fn advance<const D: usize>(
     new: &mut [f64],
 ) {
     let (pattern, conductance) = (&flow.pattern, &flow.conductance);
-    new.par_iter_mut().enumerate().with_min_len(1024).for_each(|(row, new)| {
-        let imbalance = rate[row] - exchange(pattern, conductance, old, row);
-        *new = old[row] + dt * imbalance / flow.capacity[row];
-    });
+    new.par_iter_mut()
+        .enumerate()
+        .with_min_len(1024)
+        .for_each(|(row, new)| {
+            let imbalance = rate[row] - exchange(pattern, conductance, old, row);
+            *new = old[row] + dt * imbalance / flow.capacity[row];
+        });
     for wall in &flow.walls {
-        wall.each_rate(time, old, |point, rate| new[point] += dt * rate / flow.capacity[point]);
+        wall.each_rate(time, old, |point, rate| {
+            new[point] += dt * rate / flow.capacity[point]
+        });
     }
 }
 
@@ -122,7 +135,13 @@ impl<const D: usize> Scheme<D> for ForwardEuler {
     ) -> Result<StepReport, StepError> {
         let flow = &model.flow;
         self.update_rate(flow, old.time);
-        advance(flow, &self.rate, (old.time, dt), &old.pressure, &mut trial.pressure);
+        advance(
+            flow,
+            &self.rate,
+            (old.time, dt),
+            &old.pressure,
+            &mut trial.pressure,
+        );
         self.counters.products += 1;
         trial.time = old.time + dt;
         let mut flows = crate::report::Flows::default();
@@ -133,7 +152,11 @@ impl<const D: usize> Scheme<D> for ForwardEuler {
             flows.fixed += (trial.pressure[fixed.point] - free) * flow.capacity[fixed.point];
         }
         self.check(flow, old, trial, dt)?;
-        Ok(StepReport { iterations: 0, error: None, flows })
+        Ok(StepReport {
+            iterations: 0,
+            error: None,
+            flows,
+        })
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -54,7 +54,9 @@ impl Implicit {
     /// Imbalance at the start of the step, kept from the end of the last one.
     fn start<const D: usize>(&mut self, flow: &FlowModel<D>, old: &State) -> Vec<f64> {
         let at = |known: &Option<(f64, Vec<f64>)>| {
-            known.as_ref().is_some_and(|(time, _)| time.to_bits() == old.time.to_bits())
+            known
+                .as_ref()
+                .is_some_and(|(time, _)| time.to_bits() == old.time.to_bits())
         };
         let found = self.known.iter().position(at);
         let start = match found.and_then(|k| self.known[k].take()) {
@@ -114,7 +116,11 @@ impl Implicit {
         let step = self.solve(flow, trial.time, &old.pressure, rhs, &mut report)?;
         set_sum(&mut trial.pressure, &old.pressure, &step);
         let end = self.imbalance(flow, trial.time, &trial.pressure);
-        let half = end.iter().zip(&start).map(|(e, s)| 0.5 * dt * (e - s)).collect();
+        let half = end
+            .iter()
+            .zip(&start)
+            .map(|(e, s)| 0.5 * dt * (e - s))
+            .collect();
         report.error = Some(self.estimate(flow, half, &mut report)?);
         report.flows = weigh(flow, &[(dt, &trial.pressure, trial.time, &end)]);
         close_fixed(flow, &mut report.flows, &step);
@@ -143,9 +149,17 @@ impl Implicit {
         let halfway = self.imbalance(flow, middle_time, &middle);
         // Second stage: second backward difference, written as an increment over its predictor.
         let ratio = 1.0 / (GAMMA * (2.0 - GAMMA));
-        let predictor: Vec<f64> =
-            old.pressure.iter().zip(&first).map(|(p, x)| p + ratio * x).collect();
-        let rhs = self.imbalance(flow, end_time, &predictor).iter().map(|r| a * r).collect();
+        let predictor: Vec<f64> = old
+            .pressure
+            .iter()
+            .zip(&first)
+            .map(|(p, x)| p + ratio * x)
+            .collect();
+        let rhs = self
+            .imbalance(flow, end_time, &predictor)
+            .iter()
+            .map(|r| a * r)
+            .collect();
         let second = self.solve(flow, end_time, &predictor, rhs, &mut report)?;
         set_sum(&mut trial.pressure, &predictor, &second);
         trial.time = end_time;
@@ -160,8 +174,12 @@ impl Implicit {
                 (a, &trial.pressure, end_time, &end),
             ],
         );
-        let whole: Vec<f64> =
-            trial.pressure.iter().zip(&old.pressure).map(|(new, old)| new - old).collect();
+        let whole: Vec<f64> = trial
+            .pressure
+            .iter()
+            .zip(&old.pressure)
+            .map(|(new, old)| new - old)
+            .collect();
         close_fixed(flow, &mut report.flows, &whole);
         self.known[0] = Some((end_time, end));
         Ok(report)
@@ -188,7 +206,10 @@ impl Implicit {
 }
 
 fn set_sum(target: &mut [f64], a: &[f64], b: &[f64]) {
-    target.iter_mut().zip(a.iter().zip(b)).for_each(|(t, (a, b))| *t = a + b);
+    target
+        .iter_mut()
+        .zip(a.iter().zip(b))
+        .for_each(|(t, (a, b))| *t = a + b);
 }
 
 /// Flows of a step as the weighted sum over its stages (weight, pressure, time, imbalance).
@@ -207,7 +228,10 @@ fn weigh<const D: usize>(
 
 /// Storage at fixed points comes in there too.
 fn close_fixed<const D: usize>(flow: &FlowModel<D>, flows: &mut Flows, change: &[f64]) {
-    let gain = flow.fixed.iter().map(|f| flow.capacity[f.point] * change[f.point]);
+    let gain = flow
+        .fixed
+        .iter()
+        .map(|f| flow.capacity[f.point] * change[f.point]);
     flows.fixed += gain.sum::<f64>();
 }
 
@@ -238,13 +262,19 @@ impl<const D: usize> Scheme<D> for Implicit {
             Integrator::TrBdf2 => self.tr_bdf2(&model.flow, old, dt, trial),
         }?;
         match trial.pressure.iter().position(|p| !p.is_finite()) {
-            Some(point) => Err(StepError::NotFinite { point, time: trial.time }),
+            Some(point) => Err(StepError::NotFinite {
+                point,
+                time: trial.time,
+            }),
             None => Ok(report),
         }
     }
 
     fn counters(&self) -> SchemeCounters {
-        SchemeCounters { products: self.products, solver: self.system.counters().clone() }
+        SchemeCounters {
+            products: self.products,
+            solver: self.system.counters().clone(),
+        }
     }
 
     fn solver(&self) -> Option<(String, String)> {

@@ -34,7 +34,10 @@ pub fn diffusion_limit<const D: usize>(flow: &FlowModel<D>) -> StepLimit {
         dt: 2.0 / largest,
         reason: "diffusion (Eq. 63 with storage and the operator's own eigenvalue)",
         point,
-        position: flow.operator.neighbourhood().cloud.position[point].iter().copied().collect(),
+        position: flow.operator.neighbourhood().cloud.position[point]
+            .iter()
+            .copied()
+            .collect(),
     }
 }
 
@@ -45,7 +48,10 @@ fn fastest_exchange<const D: usize>(flow: &FlowModel<D>) -> (usize, f64) {
         row.iter().map(|value| value.abs()).sum::<f64>() / flow.capacity[point]
     };
     let rates = (0..flow.points()).map(|point| (point, rate(point)));
-    rates.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best })
+    rates.fold(
+        (0, 0.0),
+        |best, next| if next.1 > best.1 { next } else { best },
+    )
 }
 
 /// Upper estimate of the largest eigenvalue of C⁻¹ L, 1/s.
@@ -94,8 +100,9 @@ fn lanczos(size: usize, apply: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
 /// Unit vector with a share of every mode, the same in every run.
 fn start_vector(size: usize) -> Vec<f64> {
     let hash = |i: usize| (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11;
-    let mut start: Vec<f64> =
-        (0..size).map(|i| hash(i) as f64 / (1_u64 << 53) as f64 - 0.5).collect();
+    let mut start: Vec<f64> = (0..size)
+        .map(|i| hash(i) as f64 / (1_u64 << 53) as f64 - 0.5)
+        .collect();
     let norm = norm2(&start);
     start.iter_mut().for_each(|x| *x /= norm);
     start
@@ -110,7 +117,10 @@ fn largest_ritz(diagonal: &[f64], off: &[f64], norm: f64) -> (f64, f64) {
     });
     let eigen = SymmetricEigen::new(matrix);
     let largest = eigen.eigenvalues.imax();
-    (eigen.eigenvalues[largest], norm * eigen.eigenvectors[(size - 1, largest)].abs())
+    (
+        eigen.eigenvalues[largest],
+        norm * eigen.eigenvectors[(size - 1, largest)].abs(),
+    )
 }
 
 #[cfg(test)]
@@ -122,8 +132,16 @@ mod tests {
     fn the_largest_eigenvalue_of_a_chain() {
         let size = 200;
         let apply = |x: &[f64]| -> Vec<f64> {
-            let at = |i: isize| if i < 0 || i >= size as isize { 0.0 } else { x[i as usize] };
-            (0..size as isize).map(|i| 2.0 * at(i) - at(i - 1) - at(i + 1)).collect()
+            let at = |i: isize| {
+                if i < 0 || i >= size as isize {
+                    0.0
+                } else {
+                    x[i as usize]
+                }
+            };
+            (0..size as isize)
+                .map(|i| 2.0 * at(i) - at(i - 1) - at(i + 1))
+                .collect()
         };
         let exact = 2.0 + 2.0 * (std::f64::consts::PI / (size as f64 + 1.0)).cos();
         let found = lanczos(size, apply);

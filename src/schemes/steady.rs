@@ -39,23 +39,39 @@ pub fn solve_steady<const D: usize>(
             flow.fixed_loads[fixed.load].at(state.time) - state.pressure[fixed.point];
     }
     let iterations = system.solve(flow, &mut imbalance, &mut change)?;
-    state.pressure.iter_mut().zip(&change).for_each(|(p, c)| *p += c);
+    state
+        .pressure
+        .iter_mut()
+        .zip(&change)
+        .for_each(|(p, c)| *p += c);
     for part in &parts {
         keep_volume(flow, part, &initial, &mut state.pressure);
     }
     let mut flows = flow.flows(&state.pressure, state.time);
     flow.imbalance(state.time, &state.pressure, &mut imbalance);
     flows.fixed = flow.fixed_inflow(&imbalance);
-    let report = StepReport { iterations, error: None, flows };
-    let counters = SchemeCounters { products: 0, solver: system.counters().clone() };
+    let report = StepReport {
+        iterations,
+        error: None,
+        flows,
+    };
+    let counters = SchemeCounters {
+        products: 0,
+        solver: system.counters().clone(),
+    };
     Ok((report, counters, system.chosen().clone()))
 }
 
 /// Connected parts without any prescribed pressure, each a list of points.
 fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
     let mut anchored = vec![false; flow.points()];
-    flow.fixed.iter().for_each(|fixed| anchored[fixed.point] = true);
-    flow.walls.iter().flat_map(Wall::points).for_each(|point| anchored[point] = true);
+    flow.fixed
+        .iter()
+        .for_each(|fixed| anchored[fixed.point] = true);
+    flow.walls
+        .iter()
+        .flat_map(Wall::points)
+        .for_each(|point| anchored[point] = true);
     let mut seen = vec![false; flow.points()];
     let mut sealed = Vec::new();
     for first in 0..flow.points() {
@@ -85,7 +101,10 @@ fn check_balance(parts: &[Vec<u32>], rate: &[f64]) -> Result<(), StepError> {
         let net: f64 = part.iter().map(|&i| rate[i as usize]).sum();
         let gross: f64 = part.iter().map(|&i| rate[i as usize].abs()).sum();
         if net.abs() > BALANCED * gross {
-            return Err(StepError::NoSteadyState { point: part[0] as usize, net });
+            return Err(StepError::NoSteadyState {
+                point: part[0] as usize,
+                net,
+            });
         }
     }
     Ok(())
@@ -99,7 +118,9 @@ fn keep_volume<const D: usize>(
     pressure: &mut [f64],
 ) {
     let sum = |p: &dyn Fn(usize) -> f64| -> f64 {
-        part.iter().map(|&i| flow.capacity[i as usize] * p(i as usize)).sum()
+        part.iter()
+            .map(|&i| flow.capacity[i as usize] * p(i as usize))
+            .sum()
     };
     let shift = (sum(&|i| initial[i]) - sum(&|i| pressure[i])) / sum(&|_| 1.0);
     part.iter().for_each(|&i| pressure[i as usize] += shift);

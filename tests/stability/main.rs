@@ -14,7 +14,10 @@ fn explicit(factor: f64) -> Result<perifrac::run::Summary, RunError> {
     let common = [&SMALL[..], &["scheme.name=explicit"]].concat();
     let probe = [&common[..], &["time.end=1e-4"]].concat();
     let limit = run_case("five-spot", &probe).0.limit.expect("explicit").dt;
-    let (step, end) = (format!("time.step={}", factor * limit), format!("time.end={}", 3e3 * limit));
+    let (step, end) = (
+        format!("time.step={}", factor * limit),
+        format!("time.end={}", 3e3 * limit),
+    );
     try_run(&plan("five-spot", &[&common[..], &[&step, &end]].concat())).map(|(summary, _)| summary)
 }
 
@@ -23,13 +26,21 @@ fn explicit_flow_is_stable_just_below_its_printed_limit() {
     let summary = explicit(0.99).unwrap();
     assert!(summary.warnings.is_empty());
     // The corner keeps its exact steady value to a few per cent after 3000 steps.
-    assert!(summary.pressure_range[1] < 9e6, "{:?}", summary.pressure_range);
+    assert!(
+        summary.pressure_range[1] < 9e6,
+        "{:?}",
+        summary.pressure_range
+    );
 }
 
 #[test]
 fn explicit_flow_above_its_limit_is_reported_as_unstable() {
     match explicit(1.3) {
-        Err(RunError::Step { source: StepError::Unstable { growth, .. }, last_output, .. }) => {
+        Err(RunError::Step {
+            source: StepError::Unstable { growth, .. },
+            last_output,
+            ..
+        }) => {
             assert!(growth > 10.0);
             assert_eq!(last_output, Some(0.0), "the start was written");
         }
@@ -41,17 +52,27 @@ fn explicit_flow_above_its_limit_is_reported_as_unstable() {
 fn the_limit_scales_with_storage_and_spacing_and_against_permeability() {
     let limit = |overrides: &[&str]| {
         let common = ["scheme.name=explicit", "time.end=1e-7", "output.times=[]"];
-        run_case("five-spot", &[&common[..], overrides].concat()).0.limit.unwrap().dt
+        run_case("five-spot", &[&common[..], overrides].concat())
+            .0
+            .limit
+            .unwrap()
+            .dt
     };
     let base = limit(&["geometry.points=[20, 20]"]);
     // λ_max = 2.24 κ/(s Δx²) for 20 neighbours, ω = 1/r², c = 1 (docs/theory.md).
     let theory = 2.0 * 1e-11 * 0.05_f64.powi(2) / (2.24 * 1e-10);
-    assert!((base / theory - 1.0).abs() < 0.02, "{base:.3e} {theory:.3e}");
+    assert!(
+        (base / theory - 1.0).abs() < 0.02,
+        "{base:.3e} {theory:.3e}"
+    );
     let finer = limit(&["geometry.points=[40, 40]"]);
     assert!((base / finer / 4.0 - 1.0).abs() < 0.02);
     let storage = limit(&["geometry.points=[20, 20]", "materials.rock.storage=1e-10"]);
     assert!((storage / base / 10.0 - 1.0).abs() < 0.01);
-    let tight = limit(&["geometry.points=[20, 20]", "materials.rock.permeability=1e-12"]);
+    let tight = limit(&[
+        "geometry.points=[20, 20]",
+        "materials.rock.permeability=1e-12",
+    ]);
     assert!((base / tight / 10.0 - 1.0).abs() < 0.01);
 }
 
@@ -61,11 +82,17 @@ fn implicit_flow_is_stable_and_monotone_from_tiny_to_huge_steps() {
     for integrator in ["tr-bdf2", "backward-euler"] {
         for step in ["1e-8", "1e-4", "1e0", "1e4"] {
             let integrator = format!("time.integrator={integrator}");
-            let (step, end) = (format!("time.step={step}"), format!("time.end=2{}", &step[1..]));
+            let (step, end) = (
+                format!("time.step={step}"),
+                format!("time.end=2{}", &step[1..]),
+            );
             let overrides = ["output.times=[]", &integrator, &step, &end];
             let (summary, state) = run_case("two-layer", &overrides);
             assert_eq!(summary.steps, 2);
-            assert_eq!(summary.counters.solver.factorisations, 1, "one for a constant step");
+            assert_eq!(
+                summary.counters.solver.factorisations, 1,
+                "one for a constant step"
+            );
             let (low, high) = extremes(&state.pressure);
             assert!(low.is_finite() && high.is_finite());
             if integrator.contains("backward") {
@@ -87,8 +114,13 @@ fn adaptive_runs_keep_to_the_bounds_on_channel_and_heterogeneous() {
     for (case, grid, low, high) in cases {
         for mode in ["steady", "transient"] {
             let mode = format!("time.mode={mode}");
-            let start = if case == "heterogeneous" { "flow.initial_pressure=1e6" } else { "flow.initial_pressure=0" };
-            let region = r#"materials.channel.region={type="box", min=[0.2, 0.491], max=[0.8, 0.509]}"#;
+            let start = if case == "heterogeneous" {
+                "flow.initial_pressure=1e6"
+            } else {
+                "flow.initial_pressure=0"
+            };
+            let region =
+                r#"materials.channel.region={type="box", min=[0.2, 0.491], max=[0.8, 0.509]}"#;
             let mut overrides = vec![grid, mode.as_str(), start, "output.times=[]"];
             if case == "channel" {
                 overrides.push(region);
@@ -96,8 +128,15 @@ fn adaptive_runs_keep_to_the_bounds_on_channel_and_heterogeneous() {
             let (summary, state) = run_case(case, &overrides);
             let (least, most) = extremes(&state.pressure);
             let slack = 1e-10 * (high - low);
-            assert!(least >= low - slack && most <= high + slack, "{case} {mode}: {least} {most}");
-            assert!(summary.balance.mass <= 1e-10, "{case} {mode}: {}", summary.balance.mass);
+            assert!(
+                least >= low - slack && most <= high + slack,
+                "{case} {mode}: {least} {most}"
+            );
+            assert!(
+                summary.balance.mass <= 1e-10,
+                "{case} {mode}: {}",
+                summary.balance.mass
+            );
         }
     }
 }
@@ -108,11 +147,16 @@ fn both_operators_survive_every_contrast_on_the_channel() {
         for contrast in ["1e-27", "1e-15", "1e-7", "1e-3"] {
             let operator = format!("flow.operator={operator}");
             let channel = format!("materials.channel.permeability={contrast}");
-            let region = r#"materials.channel.region={type="box", min=[0.2, 0.491], max=[0.8, 0.509]}"#;
+            let region =
+                r#"materials.channel.region={type="box", min=[0.2, 0.491], max=[0.8, 0.509]}"#;
             let common = ["geometry.points=[51, 51]", "time.mode=steady", region];
-            let (summary, state) = run_case("channel", &[&common[..], &[&operator, &channel]].concat());
+            let (summary, state) =
+                run_case("channel", &[&common[..], &[&operator, &channel]].concat());
             let (low, high) = extremes(&state.pressure);
-            assert!(low > -1e5 && high < 1.1e6, "{operator} {channel}: {low} {high}");
+            assert!(
+                low > -1e5 && high < 1.1e6,
+                "{operator} {channel}: {low} {high}"
+            );
             assert!(summary.outflow["right"] > 0.0);
         }
     }
@@ -120,7 +164,11 @@ fn both_operators_survive_every_contrast_on_the_channel() {
 
 #[test]
 fn nearly_no_storage_is_the_steady_state_at_once() {
-    let tight = ["materials.left.storage=1e-20", "materials.right.storage=1e-20", "output.times=[]"];
+    let tight = [
+        "materials.left.storage=1e-20",
+        "materials.right.storage=1e-20",
+        "output.times=[]",
+    ];
     let (_, at_once) = run_case("two-layer", &tight);
     let (_, steady) = run_case("two-layer", &["time.mode=steady"]);
     assert!(support::largest_difference(&at_once.pressure, &steady.pressure) < 1e-9);
@@ -130,14 +178,27 @@ fn nearly_no_storage_is_the_steady_state_at_once() {
 fn a_sealed_domain_without_storage_is_refused_by_name() {
     let tight = [&SMALL[..], &["materials.rock.storage=1e-27"]].concat();
     let error = try_run(&plan("five-spot", &tight)).unwrap_err();
-    assert!(matches!(&error, RunError::Step { source: StepError::Solve(_), .. }), "{error}");
+    assert!(
+        matches!(
+            &error,
+            RunError::Step {
+                source: StepError::Solve(_),
+                ..
+            }
+        ),
+        "{error}"
+    );
 }
 
 #[test]
 fn a_sealed_domain_with_a_net_source_has_no_steady_state() {
     let text = perifrac::cases::find("five-spot").unwrap().scene;
     let text = text.replace("[reference]\ntype = \"five-spot\"\n", "");
-    let unbalanced = ["geometry.points=[20, 20]", "time.mode=steady", "wells.producer.rate=-5e-4"];
+    let unbalanced = [
+        "geometry.points=[20, 20]",
+        "time.mode=steady",
+        "wells.producer.rate=-5e-4",
+    ];
     let error = try_run(&support::plan_of(&text, &unbalanced)).unwrap_err();
     let named = matches!(&error, RunError::Step { source: StepError::NoSteadyState { net, .. }, .. } if (net - 1.25e-4).abs() < 1e-9);
     assert!(named, "{error}");

@@ -51,7 +51,13 @@ pub fn probe_values(plan: &Plan) -> Vec<f64> {
     let model = model::<2>(plan);
     let probes = plan.output.probes.iter();
     let place = |at: &[f64]| Vector::<2>::new(at[0], at[1]);
-    probes.map(|p| model.flow.pressure_at(&state.pressure, state.time, &place(&p.at))).collect()
+    probes
+        .map(|p| {
+            model
+                .flow
+                .pressure_at(&state.pressure, state.time, &place(&p.at))
+        })
+        .collect()
 }
 
 /// The model of a plan.
@@ -61,15 +67,25 @@ pub fn model<const D: usize>(plan: &Plan) -> Model<D> {
 
 /// Observed order from errors at successively halved spacings or steps.
 pub fn orders(errors: &[f64]) -> Vec<f64> {
-    errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+    errors
+        .windows(2)
+        .map(|pair| (pair[0] / pair[1]).log2())
+        .collect()
 }
 
 /// Largest difference of two fields.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 /// Smallest and largest value.
 pub fn extremes(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+            (l.min(v), h.max(v))
+        })
 }

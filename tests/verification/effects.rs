@@ -4,7 +4,10 @@ use crate::support::{run_case, run_text};
 
 #[test]
 fn a_flow_scene_holds_a_pressure_and_nothing_else() {
-    let (summary, _) = run_case("five-spot", &["geometry.points=[20, 20]", "time.mode=steady"]);
+    let (summary, _) = run_case(
+        "five-spot",
+        &["geometry.points=[20, 20]", "time.mode=steady"],
+    );
     let fields: Vec<_> = summary.counters.field_bytes.iter().collect();
     assert_eq!(fields, [(&"pressure", &(8 * 400))]);
     for absent in ["mechanics", "damage", "coupling", "gravity"] {
@@ -17,7 +20,11 @@ fn a_flow_scene_holds_a_pressure_and_nothing_else() {
 
 #[test]
 fn gravity_costs_one_vector_where_it_is_named_and_nothing_where_it_is_not() {
-    let with = ["geometry.points=[10, 10, 6]", "time.end=10", "output.times=[]"];
+    let with = [
+        "geometry.points=[10, 10, 6]",
+        "time.end=10",
+        "output.times=[]",
+    ];
     let (heavy, _) = run_case("reservoir-3d", &with);
     let text = perifrac::cases::find("reservoir-3d").unwrap().scene;
     let light = text
@@ -29,16 +36,28 @@ fn gravity_costs_one_vector_where_it_is_named_and_nothing_where_it_is_not() {
     assert_eq!(light.counters.evaluations("gravity"), 0);
     let extra = heavy.counters.bytes["effects"] - light.counters.bytes["effects"];
     assert_eq!(extra, 8 * heavy.points, "one vector of the weight");
-    assert_eq!(heavy.counters.evaluations("wells"), light.counters.evaluations("wells"));
+    assert_eq!(
+        heavy.counters.evaluations("wells"),
+        light.counters.evaluations("wells")
+    );
 }
 
 #[test]
 fn explicit_steps_factor_nothing_and_evaluate_constant_loads_once() {
     let (summary, _) = run_case(
         "five-spot",
-        &["geometry.points=[20, 20]", "scheme.name=explicit", "time.end=1e-3", "output.times=[]"],
+        &[
+            "geometry.points=[20, 20]",
+            "scheme.name=explicit",
+            "time.end=1e-3",
+            "output.times=[]",
+        ],
     );
     assert!(summary.steps > 4);
     assert_eq!(summary.counters.solver.factorisations, 0);
-    assert_eq!(summary.counters.evaluations("wells"), 2, "two wells, once each");
+    assert_eq!(
+        summary.counters.evaluations("wells"),
+        2,
+        "two wells, once each"
+    );
 }

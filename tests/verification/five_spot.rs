@@ -6,7 +6,11 @@ use crate::support::{largest_difference, run_case};
 fn steady_pressure_at_200_by_200_is_exact_to_2e_5_in_one_factorisation() {
     let (summary, _) = run_case("five-spot", &["time.mode=steady"]);
     assert_eq!(summary.points, 40_000);
-    assert!(summary.errors["pressure"].max <= 2e-5, "{:?}", summary.errors);
+    assert!(
+        summary.errors["pressure"].max <= 2e-5,
+        "{:?}",
+        summary.errors
+    );
     assert_eq!(summary.counters.solver.factorisations, 1);
     assert_eq!(summary.counters.solver.analyses, 1);
     assert_eq!(summary.steps, 0);
@@ -24,13 +28,20 @@ fn the_adaptive_transient_ends_at_the_steady_field() {
     assert!(transient.balance.mass <= 1e-10);
     // A factor serves many steps: it is renewed only when the step changes.
     let solver = &transient.counters.solver;
-    assert!(solver.factorisations * 2 < transient.steps + transient.rejected, "{solver:?}");
+    assert!(
+        solver.factorisations * 2 < transient.steps + transient.rejected,
+        "{solver:?}"
+    );
     assert_eq!(solver.analyses, 1);
 }
 
 #[test]
 fn explicit_and_implicit_agree_at_a_given_time() {
-    let common = ["geometry.points=[50, 50]", "time.end=2e-3", "output.times=[]"];
+    let common = [
+        "geometry.points=[50, 50]",
+        "time.end=2e-3",
+        "output.times=[]",
+    ];
     let explicit = [&common[..], &["scheme.name=explicit", "time.step=1e-6"]].concat();
     let implicit = [&common[..], &["time.step=2e-6"]].concat();
     let (summary, fine) = run_case("five-spot", &explicit);
@@ -58,5 +69,8 @@ fn the_bond_operator_is_the_correspondence_operator_on_a_uniform_lattice() {
     let (bond, b) = run_case("five-spot", &[&grid[..], &["flow.operator=bond"]].concat());
     assert_eq!(correspondence.second_hops, 0);
     assert_eq!(correspondence.nonzeros, bond.nonzeros);
-    assert!(largest_difference(&a.pressure, &b.pressure) < 1e-6, "of 1.7e7 Pa");
+    assert!(
+        largest_difference(&a.pressure, &b.pressure) < 1e-6,
+        "of 1.7e7 Pa"
+    );
 }

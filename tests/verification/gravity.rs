@@ -33,7 +33,10 @@ fn largest_velocity(overrides: &[&str]) -> f64 {
     let plan = plan_of(TANK, overrides);
     let (_, state) = try_run(&plan).unwrap();
     let velocity = model::<2>(&plan).flow.velocity(&state.pressure, state.time);
-    velocity.iter().map(|v: &Vector<2>| v.norm()).fold(0.0, f64::max)
+    velocity
+        .iter()
+        .map(|v: &Vector<2>| v.norm())
+        .fold(0.0, f64::max)
 }
 
 /// Darcy velocity that the weight alone would drive: κ ρ g.
@@ -47,14 +50,21 @@ fn a_hydrostatic_column_in_layered_rock_stays_at_rest() {
     for overrides in [&sealed[..], &open_top, &open_side] {
         for operator in ["flow.operator=bond", "flow.operator=correspondence"] {
             let velocity = largest_velocity(&[overrides, &[operator]].concat());
-            assert!(velocity < 1e-11 * FREE_FALL, "{overrides:?} {operator}: {velocity:.1e}");
+            assert!(
+                velocity < 1e-11 * FREE_FALL,
+                "{overrides:?} {operator}: {velocity:.1e}"
+            );
         }
     }
 }
 
 #[test]
 fn a_uniform_start_falls_towards_the_hydrostatic_state() {
-    let flat = ["flow.hydrostatic_start=false", "time.end=1e-3", "time.step=1e-3"];
+    let flat = [
+        "flow.hydrostatic_start=false",
+        "time.end=1e-3",
+        "time.step=1e-3",
+    ];
     assert!(largest_velocity(&flat) > 0.5 * FREE_FALL);
     let settled = ["flow.hydrostatic_start=false", "time.end=1e9"];
     assert!(largest_velocity(&settled) < 1e-6 * FREE_FALL);
@@ -63,6 +73,15 @@ fn a_uniform_start_falls_towards_the_hydrostatic_state() {
 #[test]
 fn a_uniform_pressure_on_a_vertical_side_is_warned_about() {
     let (summary, _) = run_text(TANK, &["flow.boundary.left={pressure=1e5}", "time.end=1"]);
-    assert!(summary.warnings.iter().any(|w| w.contains("hydrostatic = true")), "{summary:?}");
-    assert!(summary.balance.mass < 1e-10, "seepage is part of the balance");
+    assert!(
+        summary
+            .warnings
+            .iter()
+            .any(|w| w.contains("hydrostatic = true")),
+        "{summary:?}"
+    );
+    assert!(
+        summary.balance.mass < 1e-10,
+        "seepage is part of the balance"
+    );
 }

@@ -35,14 +35,22 @@ pub fn blocks<const D: usize>(
     }
     check_count(cells.iter().map(|&n| n as f64).product())?;
     let edge = Vector::from_fn(|axis, _| size[axis] / cells[axis] as f64);
-    let tree = Tree { origin, edge, cells };
+    let tree = Tree {
+        origin,
+        edge,
+        cells,
+    };
     let leaves = tree.balance(tree.refine(refinements)?)?;
     let irregular = leaves.keys().any(|&(level, _)| level > 0);
     let mut order: Vec<Key<D>> = leaves.into_keys().collect();
     order.sort_by_cached_key(|&key| tree.curve(key));
     let cell: Vec<Vector<D>> = order.iter().map(|&(level, _)| tree.width(level)).collect();
     Ok(Cloud {
-        domain: Domain { lower: origin, upper: origin + size, planes: true },
+        domain: Domain {
+            lower: origin,
+            upper: origin + size,
+            planes: true,
+        },
         position: order.iter().map(|&key| tree.centre(key)).collect(),
         volume: cell.iter().map(Vector::product).collect(),
         cell,
@@ -158,7 +166,10 @@ impl<const D: usize> Tree<D> {
 
 fn children<const D: usize>((level, at): Key<D>) -> impl Iterator<Item = Key<D>> {
     (0..1_usize << D).map(move |corner| {
-        (level + 1, std::array::from_fn(|axis| 2 * at[axis] + (corner >> axis & 1) as i64))
+        (
+            level + 1,
+            std::array::from_fn(|axis| 2 * at[axis] + (corner >> axis & 1) as i64),
+        )
     })
 }
 
@@ -167,16 +178,29 @@ mod tests {
     use super::*;
 
     fn refined() -> Cloud<2> {
-        let region = Shape::Box { min: vec![0.0, 0.0], max: vec![0.05, 1.0] };
+        let region = Shape::Box {
+            min: vec![0.0, 0.0],
+            max: vec![0.05, 1.0],
+        };
         let size = Vector::<2>::new(1.0, 0.5);
-        blocks(Vector::zeros(), size, 0.125, &[Refinement { region, levels: 3 }]).unwrap()
+        blocks(
+            Vector::zeros(),
+            size,
+            0.125,
+            &[Refinement { region, levels: 3 }],
+        )
+        .unwrap()
     }
 
     #[test]
     fn blocks_fill_the_box_and_reach_the_level_asked_for() {
         let cloud = refined();
         assert!((cloud.volume.iter().sum::<f64>() - 0.5).abs() < 1e-14);
-        let smallest = cloud.cell.iter().map(|c| c[0]).fold(f64::INFINITY, f64::min);
+        let smallest = cloud
+            .cell
+            .iter()
+            .map(|c| c[0])
+            .fold(f64::INFINITY, f64::min);
         assert!((smallest - 0.125 / 8.0).abs() < 1e-15);
     }
 
@@ -185,7 +209,8 @@ mod tests {
         let cloud = refined();
         for i in 0..cloud.len() {
             for j in 0..i {
-                let gap = (cloud.position[i] - cloud.position[j]).abs() - (cloud.cell[i] + cloud.cell[j]) / 2.0;
+                let gap = (cloud.position[i] - cloud.position[j]).abs()
+                    - (cloud.cell[i] + cloud.cell[j]) / 2.0;
                 if gap.max() < 1e-12 {
                     let ratio = cloud.cell[i][0] / cloud.cell[j][0];
                     assert!((0.49..2.01).contains(&ratio), "{ratio}");

@@ -28,7 +28,9 @@ impl Segment {
         let count = (self.length / mean).round().max(2.0);
         check_count(count)?;
         let ratio = growth.powf(1.0 / (count - 1.0));
-        let raw: Vec<f64> = (0..count as i32).map(|k| self.first * ratio.powi(k)).collect();
+        let raw: Vec<f64> = (0..count as i32)
+            .map(|k| self.first * ratio.powi(k))
+            .collect();
         let scale = self.length / raw.iter().sum::<f64>();
         Ok(raw.into_iter().map(|width| width * scale).collect())
     }
@@ -64,9 +66,15 @@ pub fn graded<const D: usize>(
     let upper = Vector::from_fn(|axis, _| edges[axis].last().copied().unwrap_or(origin[axis]));
     let first = cell[0];
     Ok(Cloud {
-        domain: Domain { lower: origin, upper, planes: true },
+        domain: Domain {
+            lower: origin,
+            upper,
+            planes: true,
+        },
         volume: cell.iter().map(Vector::product).collect(),
-        irregular: cell.iter().any(|width| (width - first).amax() > 1e-9 * first.amax()),
+        irregular: cell
+            .iter()
+            .any(|width| (width - first).amax() > 1e-9 * first.amax()),
         position,
         cell,
     })
@@ -78,7 +86,11 @@ mod tests {
 
     #[test]
     fn a_geometric_segment_fills_its_length_and_keeps_the_ratio() {
-        let segment = Segment { length: 15.0, first: 0.025, last: 0.1 };
+        let segment = Segment {
+            length: 15.0,
+            first: 0.025,
+            last: 0.1,
+        };
         let widths = segment.widths(0).unwrap();
         assert!((widths.iter().sum::<f64>() - 15.0).abs() < 1e-12);
         let ratio = widths[widths.len() - 1] / widths[0];
@@ -88,8 +100,16 @@ mod tests {
 
     #[test]
     fn a_uniform_axis_is_regular_and_a_graded_one_is_not() {
-        let uniform = vec![Segment { length: 1.0, first: 0.25, last: 0.25 }];
-        let growing = vec![Segment { length: 1.0, first: 0.05, last: 0.2 }];
+        let uniform = vec![Segment {
+            length: 1.0,
+            first: 0.25,
+            last: 0.25,
+        }];
+        let growing = vec![Segment {
+            length: 1.0,
+            first: 0.05,
+            last: 0.2,
+        }];
         let plain = graded(Vector::<2>::zeros(), &[uniform.clone(), uniform.clone()]).unwrap();
         assert!(!plain.irregular && plain.len() == 16);
         let cloud = graded(Vector::<2>::zeros(), &[growing, uniform]).unwrap();
@@ -99,7 +119,11 @@ mod tests {
 
     #[test]
     fn a_spacing_that_does_not_divide_is_refused_with_one_that_does() {
-        let axis = vec![Segment { length: 1.0, first: 0.3, last: 0.3 }];
+        let axis = vec![Segment {
+            length: 1.0,
+            first: 0.3,
+            last: 0.3,
+        }];
         let error = graded(Vector::<2>::zeros(), &[axis.clone(), axis]).unwrap_err();
         assert!(error.to_string().contains("such as 0.333"), "{error}");
     }

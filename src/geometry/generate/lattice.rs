@@ -19,14 +19,20 @@ pub fn lattice<const D: usize>(
     check_count(cells.iter().map(|&n| n as f64).product())?;
     let edges: [Vec<f64>; D] = std::array::from_fn(|axis| {
         let n = cells[axis];
-        (0..=n).map(|k| origin[axis] + size[axis] * k as f64 / n as f64).collect()
+        (0..=n)
+            .map(|k| origin[axis] + size[axis] * k as f64 / n as f64)
+            .collect()
     });
     let (position, _) = tensor_cells(&edges);
     // One exact cell size, so that equal points have equal operators to the last bit.
     let cell = Vector::<D>::from_fn(|axis, _| size[axis] / cells[axis] as f64);
     let count = position.len();
     Ok(Cloud {
-        domain: Domain { lower: origin, upper: origin + size, planes: true },
+        domain: Domain {
+            lower: origin,
+            upper: origin + size,
+            planes: true,
+        },
         position,
         volume: vec![cell.product(); count],
         cell: vec![cell; count],
@@ -57,7 +63,12 @@ mod tests {
 
     #[test]
     fn cells_are_centred_and_fill_the_box() {
-        let cloud = lattice(Vector::<2>::new(-1.0, 0.0), Vector::<2>::new(2.0, 3.0), [4, 6]).unwrap();
+        let cloud = lattice(
+            Vector::<2>::new(-1.0, 0.0),
+            Vector::<2>::new(2.0, 3.0),
+            [4, 6],
+        )
+        .unwrap();
         assert_eq!(cloud.len(), 24);
         assert_eq!(cloud.position[0], Vector::<2>::new(-0.75, 0.25));
         assert_eq!(cloud.position[1], Vector::<2>::new(-0.25, 0.25));

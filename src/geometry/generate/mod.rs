@@ -47,7 +47,13 @@ pub fn divide(length: f64, spacing: f64, axis: usize) -> Result<usize, GenerateE
     let whole = cells.round().max(1.0);
     if (cells - whole).abs() > 1e-6 * whole {
         let suggestion = length / whole;
-        return Err(GenerateError::NotDivisible { spacing, length, axis, cells, suggestion });
+        return Err(GenerateError::NotDivisible {
+            spacing,
+            length,
+            axis,
+            cells,
+            suggestion,
+        });
     }
     check_count(whole)?;
     Ok(whole as usize)
@@ -58,7 +64,11 @@ pub fn divide(length: f64, spacing: f64, axis: usize) -> Result<usize, GenerateE
 /// # Errors
 /// [`GenerateError::TooMany`].
 pub fn check_count(count: f64) -> Result<(), GenerateError> {
-    if count < f64::from(u32::MAX) { Ok(()) } else { Err(GenerateError::TooMany { count }) }
+    if count < f64::from(u32::MAX) {
+        Ok(())
+    } else {
+        Err(GenerateError::TooMany { count })
+    }
 }
 
 /// Centres and widths of all cells of a tensor grid, x fastest; `edges` are the cell boundaries per
