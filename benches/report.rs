@@ -135,7 +135,9 @@ fn measure<const D: usize>(mut model: Model<D>, triad: &mut Triad) -> Result<Loo
     let mut samples: [Vec<f64>; 5] = Default::default();
     for _ in 0..if quick() { 1 } else { REPETITIONS } {
         let refill = seconds_each(2, || model.flow.refill());
-        let view = seconds(|| drop(black_box(model.flow.matrix())));
+        let view = seconds(|| {
+            black_box(model.flow.matrix());
+        });
         let matrix = model.flow.matrix();
         multiply(matrix, &pressure, &mut result);
         let product = seconds_each(CALLS, || {

@@ -1,5 +1,7 @@
 //! The direction of dependencies between the modules of the library (docs/adr/0001).
 
+#![allow(clippy::unwrap_used)]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -26,7 +26,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return print(&lines.join("\n"));
     };
     let Some(case) = find(name) else {
-        let guess = closest(name, names().into_iter())
+        let guess = closest(name, names())
             .map_or_else(String::new, |guess| format!("; did you mean {guess}?"));
         let message = format!("there is no bundled case \"{name}\"{guess}");
         return Err(Failure::Usage(message));

@@ -1,9 +1,11 @@
 //! `perifrac check`.
 
-use crate::model::sample;
+use crate::model::{Model, ModelError, sample};
+use crate::plan::Plan;
+use crate::report::Timers;
 
 use super::common::SceneArgs;
-use super::exit::{Failure, print};
+use super::exit::{Failure, print, warn};
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
@@ -12,21 +14,29 @@ pub struct Args {
     scene: SceneArgs,
 }
 
-/// Checks a scene: its text, its files, its regions and wells against its points.
+/// Checks a scene: its text, its files, its regions, horizon and wells against its points.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let planned = args.scene.plan()?;
-    let sampled = match planned.plan.dimension {
-        2 => sample::<2>(&planned.plan),
-        _ => sample::<3>(&planned.plan),
+    let built = match planned.plan.dimension {
+        2 => build::<2>(&planned.plan),
+        _ => build::<3>(&planned.plan),
     };
-    let sampled = sampled.map_err(|error| planned.locate(&error))?;
+    let (points, warnings) = built.map_err(|error| planned.locate(&error))?;
     planned
         .plan
         .warnings
         .iter()
-        .for_each(|warning| eprintln!("warning: {warning}"));
+        .chain(&warnings)
+        .for_each(|warning| warn(warning));
     print(&format!(
-        "{}: no faults found ({} points)",
-        planned.plan.case, sampled.points
+        "{}: no faults found ({points} points)",
+        planned.plan.case
     ))
+}
+
+/// Builds all that a run would build; the sample comes first because it fails fast.
+fn build<const D: usize>(plan: &Plan) -> Result<(usize, Vec<String>), ModelError> {
+    sample::<D>(plan)?;
+    let model = Model::<D>::build(plan, &mut Timers::default())?;
+    Ok((model.cloud.len(), model.warnings))
 }

@@ -113,6 +113,10 @@ impl Planned {
             Some(place) => diagnostic.at(place),
             None => diagnostic,
         };
+        let diagnostic = match remedy(error) {
+            Some(help) => diagnostic.help(help),
+            None => diagnostic,
+        };
         self.loaded.errors(vec![diagnostic]).into()
     }
 
@@ -150,12 +154,29 @@ impl Planned {
                     })
             }
             ModelError::Points { .. } | ModelError::UnknownMaterial { .. } => {
-                Some(scene.geometry.span)
+                match &scene.geometry.value {
+                    scene::Geometry::File(file) => Some(file.path.span),
+                    _ => Some(scene.geometry.span),
+                }
             }
+            ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
             ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
             ModelError::Effect(EffectError::OverlappingWells { second, .. }) => well(second),
             ModelError::Consistency(_) => Some(scene.flow.as_ref()?.gradient.span),
             _ => None,
         }
+    }
+}
+
+/// What to do where the error itself cannot know the keys of a scene.
+fn remedy(error: &ModelError) -> Option<&'static str> {
+    match error {
+        ModelError::Geometry(GeometryError::TooFewPoints { .. }) => {
+            Some("add points, or set horizon.neighbours to fewer, or horizon.radius to a length")
+        }
+        ModelError::Effect(EffectError::EmptyWell { .. }) => {
+            Some("enlarge its radius, leave the radius out, or refine the cloud there")
+        }
+        _ => None,
     }
 }

@@ -1,6 +1,7 @@
 //! Failures and their exit codes.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use crate::model::ModelError;
@@ -17,7 +18,7 @@ pub enum Failure {
     /// The scene is at fault.
     Scene(Box<SceneErrors>),
     /// The run failed.
-    Run(RunError),
+    Run(Box<RunError>),
     /// A file could not be written.
     Output(OutputError),
     /// Standard output went away.
@@ -28,13 +29,9 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Failure::Usage(_) => 2,
-            Failure::Scene(_) | Failure::Run(RunError::Model(_)) => 3,
-            Failure::Run(RunError::Step { source, .. }) => match source {
-                StepError::Solve(_) | StepError::Unstable { .. } | StepError::NotFinite { .. } => 4,
-                StepError::Spec(_) | StepError::NoSteadyState { .. } => 3,
-            },
-            Failure::Run(RunError::Interrupted { .. }) => 130,
-            Failure::Run(_) | Failure::Output(_) => 1,
+            Failure::Scene(_) => 3,
+            Failure::Run(error) => run_code(error),
+            Failure::Output(_) => 1,
             Failure::Broken => 0,
         }
     }
@@ -55,6 +52,21 @@ impl Failure {
     }
 }
 
+fn run_code(error: &RunError) -> u8 {
+    match error {
+        RunError::Model(_) => 3,
+        RunError::Step { source, .. } => match source {
+            StepError::Solve(_)
+            | StepError::Unstable { .. }
+            | StepError::TooSmall { .. }
+            | StepError::NotFinite { .. } => 4,
+            StepError::Spec(_) | StepError::NoSteadyState { .. } => 3,
+        },
+        RunError::Interrupted { .. } => 130,
+        _ => 1,
+    }
+}
+
 /// Whether messages may be coloured.
 fn colourful() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
@@ -68,13 +80,13 @@ impl From<SceneErrors> for Failure {
 
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
-        Failure::Run(error)
+        Failure::Run(Box::new(error))
     }
 }
 
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
-        Failure::Run(RunError::Model(error))
+        RunError::Model(error).into()
     }
 }
 
@@ -87,7 +99,14 @@ impl From<OutputError> for Failure {
 /// Prints to standard output; a closed pipe ends the program quietly.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    writeln!(stdout, "{}", text.trim_end())
-        .and_then(|()| stdout.flush())
-        .map_err(|_| Failure::Broken)
+    let printed = writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush());
+    printed.map_err(|error| match error.kind() {
+        ErrorKind::BrokenPipe => Failure::Broken,
+        _ => OutputError::from_io(Path::new("standard output"), "print", error).into(),
+    })
+}
+
+/// Prints a warning on standard error; a run goes on even if nobody can read it.
+pub fn warn(message: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "warning: {message}");
 }

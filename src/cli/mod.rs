@@ -59,9 +59,9 @@ pub fn main() -> ExitCode {
         Verb::Solvers(args) => solvers::run(&args),
         Verb::Schema => schema::run(),
         Verb::Completions { shell } => {
-            let mut command = Cli::command();
-            clap_complete::generate(shell, &mut command, "perifrac", &mut std::io::stdout());
-            Ok(())
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "perifrac", &mut script);
+            exit::print(&String::from_utf8_lossy(&script))
         }
     };
     match result {

@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::exit;
 use crate::run::{Observer, Progress};
 
 /// Shows how a run goes on.
@@ -43,7 +44,7 @@ impl Observer for Console {
         }
         match &self.bar {
             Some(bar) => bar.println(format!("warning: {message}")),
-            None => eprintln!("warning: {message}"),
+            None => exit::warn(message),
         }
     }
 

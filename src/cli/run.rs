@@ -1,9 +1,10 @@
 //! `perifrac run`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::output::OutputError;
 use crate::run::{RunError, Summary, Writer, run as run_plan};
 
 use super::common::{Planned, SceneArgs};
@@ -37,11 +38,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
+    check_folder(&folder)?;
     let mut writer = Writer::create(&folder, &planned.loaded.resolved_toml())?;
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = interrupt.clone();
     // Without a handler the run is simply ended at once, as before.
-    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(move || interrupted(&flag));
     let mut console = Console::new(args.quiet);
     let result = match planned.plan.dimension {
         2 => run_plan::<2>(&planned.plan, Some(&mut writer), &mut console, &interrupt),
@@ -61,6 +63,27 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         describe(&summary),
         writer.folder().display()
     ))
+}
+
+/// The first interruption ends the run after its step; the second, should a step take long, at once.
+fn interrupted(flag: &AtomicBool) {
+    if flag.swap(true, Ordering::Relaxed) {
+        std::process::exit(130);
+    }
+}
+
+/// Refuses a folder whose place, or the way to it, is taken by a file.
+fn check_folder(folder: &Path) -> Result<(), Failure> {
+    match folder.ancestors().find(|path| path.is_file()) {
+        None => Ok(()),
+        Some(file) => Err(OutputError::Unsupported {
+            path: file.to_owned(),
+            what: "the place for results".to_owned(),
+            found: "a file".to_owned(),
+            allowed: "a folder; choose another one with --out",
+        }
+        .into()),
+    }
 }
 
 fn failure(planned: &Planned, error: RunError) -> Failure {

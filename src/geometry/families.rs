@@ -72,6 +72,9 @@ pub struct Families<const D: usize> {
 
 const CHUNK: usize = 1024;
 
+/// Family sizes of a range of points, and their bonds as pairs of neighbour and image number.
+type Chunk = (Vec<u32>, Vec<(u32, u8)>);
+
 impl<const D: usize> Families<D> {
     /// Finds every neighbour within each point's horizon, images included.
     ///
@@ -83,7 +86,7 @@ impl<const D: usize> Families<D> {
         let images = ImageTable::new(&cloud.domain, reach)?;
         let typical = horizon.iter().sum::<f64>() / horizon.len().max(1) as f64;
         let world = World::new(cloud, &images, reach, typical);
-        let chunks: Vec<(Vec<u32>, Vec<(u32, u8)>)> = (0..cloud.len().div_ceil(CHUNK))
+        let chunks: Vec<Chunk> = (0..cloud.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(cloud.len());
@@ -96,7 +99,7 @@ impl<const D: usize> Families<D> {
     fn from_chunks(
         horizon: Vec<f64>,
         images: ImageTable<D>,
-        chunks: Vec<(Vec<u32>, Vec<(u32, u8)>)>,
+        chunks: Vec<Chunk>,
     ) -> Result<Self, GeometryError> {
         let bonds: usize = chunks.iter().map(|(_, bonds)| bonds.len()).sum();
         if bonds > u32::MAX as usize {
@@ -211,7 +214,7 @@ fn family_chunk<const D: usize>(
     world: &World<D>,
     horizon: &[f64],
     points: std::ops::Range<usize>,
-) -> (Vec<u32>, Vec<(u32, u8)>) {
+) -> Chunk {
     let mut counts = Vec::with_capacity(points.len());
     let mut bonds: Vec<(u32, u8)> = Vec::with_capacity(24 * points.len());
     for point in points {

@@ -186,7 +186,11 @@ mod tests {
     fn the_mean_is_harmonic_and_survives_extreme_mobilities() {
         let form = jittered(0.0);
         let mut mobility = vec![1e-300; form.around.len()];
-        let bond = form.around.families.family(0).next().unwrap();
+        let families = &form.around.families;
+        let bond = families
+            .family(0)
+            .find(|&bond| families.neighbour(bond) != 0)
+            .unwrap();
         let neighbour = form.around.families.neighbour(bond);
         mobility[neighbour] = 1e12;
         let alone = form.geometric[bond];

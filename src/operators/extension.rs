@@ -182,7 +182,7 @@ mod tests {
     fn strip() -> (Domain<2>, ImageTable<2>) {
         let domain = Domain {
             lower: Vector::zeros(),
-            upper: Vector::new(1.0, 0.2),
+            upper: Vector::<2>::new(1.0, 0.2),
             planes: true,
         };
         let images = ImageTable::new(&domain, 0.5).unwrap();

@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn points_on_a_line_have_a_singular_shape_tensor() {
-        let mut cloud = lattice(Vector::<2>::zeros(), Vector::new(1.0, 0.1), [10, 1]).unwrap();
+        let mut cloud = lattice(Vector::<2>::zeros(), Vector::<2>::new(1.0, 0.1), [10, 1]).unwrap();
         cloud.domain.planes = false;
         let horizon = horizons(&cloud, Horizon::Radius(0.25)).unwrap();
         let families = Families::search(&cloud, horizon).unwrap();

@@ -88,7 +88,7 @@ fn five_spot(plan: &Plan) -> Result<FiveSpot, String> {
     let (mobility, _) = uniform(plan)?;
     let (origin, size) = domain(plan)?;
     require(
-        size.len() == 2 && size[0] == size[1],
+        size.len() == 2 && (size[0] - size[1]).abs() <= 1e-12 * size[0],
         "the five-spot needs a square",
     )?;
     let sealed = |side: &SideCondition| *side == SideCondition::Sealed;

@@ -126,6 +126,9 @@ impl<const D: usize> Run<'_, D> {
 
     fn steady(&mut self) -> Result<Effort, RunError> {
         self.scheme_name = "steady".to_owned();
+        if self.interrupt.load(Ordering::Relaxed) {
+            return Err(RunError::Interrupted { time: 0.0 });
+        }
         let start = Instant::now();
         let solved = solve_steady(&self.model, &self.plan.solver, &mut self.state);
         self.timers.add("solve", start.elapsed().as_secs_f64());
@@ -162,7 +165,7 @@ impl<const D: usize> Run<'_, D> {
                 Err(error) => {
                     self.rejected += 1;
                     if matches!(error, StepError::Unstable { .. })
-                        || !control.cut(dt, 1e-12 * plan.time.end)
+                        || !control.cut(dt, SMALLEST * plan.time.end)
                     {
                         return Err(self.failed(error));
                     }
@@ -174,16 +177,21 @@ impl<const D: usize> Run<'_, D> {
                 .map(|error| if range > 0.0 { error / range } else { 0.0 });
             if !control.judge(relative, dt) {
                 self.rejected += 1;
+                if control.dt() < SMALLEST * plan.time.end {
+                    let (time, dt) = (self.state.time, control.dt());
+                    return Err(self.failed(StepError::TooSmall { time, dt }));
+                }
                 continue;
             }
             std::mem::swap(&mut self.state, &mut trial);
             self.steps += 1;
-            if stop.time - self.state.time < 1e-9 * dt {
+            let reached = stop.time - self.state.time < 1e-9 * dt;
+            if reached {
                 self.state.time = stop.time;
                 stops.pass();
             }
             range = range.max(self.range());
-            self.accepted(dt, &report, stop.output && self.state.time == stop.time)?;
+            self.accepted(dt, &report, stop.output && reached)?;
         }
         Ok((scheme.counters(), scheme.solver(), scheme.limit().cloned()))
     }
@@ -415,6 +423,9 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 }
+
+/// Smallest step relative to the run.
+const SMALLEST: f64 = 1e-12;
 
 /// Step that fits before the next stop without leaving a sliver behind.
 fn clamp(dt: f64, remaining: f64) -> f64 {

@@ -17,6 +17,7 @@ use crate::schemes::State;
 /// Writes the files of one run into its folder.
 pub struct Writer {
     folder: PathBuf,
+    resolved: String,
     pvd: Option<Pvd>,
     history: Option<History>,
     rows: Vec<Vec<f64>>,
@@ -30,20 +31,20 @@ const PICTURE_WIDTH: u32 = 900;
 const MARK: &str = "resolved.toml";
 
 impl Writer {
-    /// Prepares `folder` and writes the resolved scene into it.
+    /// Prepares `folder` for results and the resolved scene.
     ///
-    /// Results of an earlier run in the same folder are removed; a folder with other things in it is
-    /// refused.
+    /// A folder with other things in it is refused. Results of an earlier run stay until this one
+    /// has something to write.
     ///
     /// # Errors
     /// [`OutputError`] for a folder that cannot be used.
     pub fn create(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
-        clear(folder)?;
-        write_atomically(folder.join(MARK), |file| {
-            file.write_all(resolved.as_bytes())
-        })?;
+        if prepare(folder)?.is_empty() {
+            write_mark(folder, resolved)?;
+        }
         Ok(Writer {
             folder: folder.to_owned(),
+            resolved: resolved.to_owned(),
             pvd: None,
             history: None,
             rows: Vec::new(),
@@ -57,11 +58,13 @@ impl Writer {
         &self.folder
     }
 
-    /// Opens history.csv.
+    /// Removes the results of an earlier run and opens history.csv.
     ///
     /// # Errors
     /// [`OutputError`].
     pub fn start_history<const D: usize>(&mut self, plan: &Plan) -> Result<(), OutputError> {
+        clear(&self.folder)?;
+        write_mark(&self.folder, &self.resolved)?;
         let mut columns: Vec<String> = [
             "time_s",
             "step_s",
@@ -475,11 +478,11 @@ fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
         .collect()
 }
 
-/// Removes the results of an earlier run; refuses a folder that holds anything else.
-fn clear(folder: &Path) -> Result<(), OutputError> {
+/// Makes the folder if need be; gives what is in it, which must be results.
+fn prepare(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
     let io = |source: std::io::Error| OutputError::from_io(folder, "prepare the folder", source);
     if !folder.exists() {
-        return std::fs::create_dir_all(folder).map_err(io);
+        std::fs::create_dir_all(folder).map_err(io)?;
     }
     let entries: Vec<PathBuf> = std::fs::read_dir(folder)
         .and_then(|entries| entries.map(|entry| entry.map(|e| e.path())).collect())
@@ -489,10 +492,23 @@ fn clear(folder: &Path) -> Result<(), OutputError> {
             path: folder.to_owned(),
         });
     }
-    for path in entries.iter().filter(|path| is_result(path)) {
+    Ok(entries)
+}
+
+/// Removes the results of an earlier run; the mark is replaced afterwards.
+fn clear(folder: &Path) -> Result<(), OutputError> {
+    let io = |source: std::io::Error| OutputError::from_io(folder, "prepare the folder", source);
+    for path in prepare(folder)?.iter().filter(|path| is_result(path)) {
         std::fs::remove_file(path).map_err(io)?;
     }
     Ok(())
+}
+
+/// Writes the resolved scene, which also marks the folder as one of results.
+fn write_mark(folder: &Path, resolved: &str) -> Result<(), OutputError> {
+    write_atomically(folder.join(MARK), |file| {
+        file.write_all(resolved.as_bytes())
+    })
 }
 
 fn is_result(path: &Path) -> bool {
@@ -507,7 +523,6 @@ fn is_result(path: &Path) -> bool {
         "history",
         "profile-",
         "summary.json",
-        MARK,
     ];
     path.is_file() && own.iter().any(|start| name.starts_with(start))
 }

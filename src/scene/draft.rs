@@ -113,7 +113,10 @@ impl Draft {
         }
         if !scene.has(&self.flow) {
             let fault = Diagnostic::new("the scene names no effect, so nothing would happen");
-            report.add(fault.help(format!("add one of {}", EFFECTS.join(", "))));
+            report.add(fault.help(match EFFECTS {
+                [only] => format!("add {only}"),
+                several => format!("add one of {}", several.join(", ")),
+            }));
         }
     }
 

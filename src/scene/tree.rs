@@ -133,12 +133,25 @@ fn syntax_error(error: &toml::de::Error, text: &str, offset: usize) -> Diagnosti
     };
     let range = visible(text, range);
     let place = Span::shifted(range.clone(), offset);
-    match error.message().starts_with("string values must be quoted") {
-        true if range.is_empty() => Diagnostic::new("a value is missing").at(place),
-        true => Diagnostic::new("a text must stand in quotes")
+    let excerpt = text.get(range.clone()).unwrap_or_default();
+    match error.message() {
+        m if m.starts_with("string values must be quoted") && range.is_empty() => {
+            Diagnostic::new("a value is missing").at(place)
+        }
+        m if m.starts_with("string values must be quoted") => {
+            Diagnostic::new("a text must stand in quotes")
+                .at(place)
+                .help(format!("write \"{excerpt}\""))
+        }
+        "duplicate key" => Diagnostic::new(format!("duplicate key `{excerpt}`"))
             .at(place)
-            .help(format!("write \"{}\"", text.get(range).unwrap_or_default())),
-        false => diagnostic.at(place),
+            .help("keep one of them"),
+        m => match m.split_once(" string, expected ") {
+            Some((_, quote)) => Diagnostic::new("a text is not closed")
+                .at(place)
+                .help(format!("end it with {quote}")),
+            None => diagnostic.at(place),
+        },
     }
 }
 

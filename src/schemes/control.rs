@@ -69,7 +69,11 @@ impl StepControl {
         let Some(error) = relative_error.filter(|_| !self.fixed) else {
             return true;
         };
-        let scaled = (error / self.tolerance).max(1e-10);
+        let scaled = if error.is_finite() {
+            (error / self.tolerance).max(1e-10)
+        } else {
+            1e9
+        };
         if scaled > 1.0 {
             self.dt = tried * (CAUTION * scaled.powf(-1.0 / self.order)).clamp(MOST_CUT, 0.7);
             self.previous = None;

@@ -35,10 +35,21 @@ pub enum StepError {
         /// The limit, s.
         limit: f64,
     },
+    /// Steps have become too small to get anywhere.
+    #[error(
+        "the step fell to {dt:.3e} s at t = {time:.6e} s without meeting the tolerance; raise \
+         time.tolerance, or look for values that are out of range"
+    )]
+    TooSmall {
+        /// Time, s.
+        time: f64,
+        /// The step, s.
+        dt: f64,
+    },
     /// No steady state exists.
     #[error(
-        "no steady state: the part of the domain around point {point} is sealed, and {net:.3e} m^D/s \
-         net are brought into it; prescribe a pressure somewhere or balance the wells"
+        "no steady state: the part of the domain around point {point} is sealed, and {net:.3e} m³/s \
+         net (per metre in 2-D) are brought into it; prescribe a pressure somewhere or balance the wells"
     )]
     NoSteadyState {
         /// A point of the part.

@@ -1,4 +1,5 @@
 //! Observed orders in space and time.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 #[path = "../support/mod.rs"]
 mod support;

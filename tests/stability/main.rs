@@ -1,4 +1,5 @@
 //! Hard cases: stiff contrasts, huge and tiny steps, unstable explicit steps.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 #[path = "../support/mod.rs"]
 mod support;

@@ -1,5 +1,5 @@
 //! Runs against exact solutions. Effort (factorisations, steps) is asserted beside the answer.
-#![allow(clippy::float_cmp)]
+#![allow(clippy::float_cmp, clippy::unwrap_used, clippy::expect_used)]
 
 #[path = "../support/mod.rs"]
 mod support;

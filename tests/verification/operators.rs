@@ -81,12 +81,12 @@ fn matrices_are_symmetric_and_their_rows_add_up_to_what_the_walls_take() {
         );
         let mut leak = vec![0.0; flow.points()];
         flow.walls.iter().for_each(|wall| wall.add_leak(&mut leak));
-        for row in 0..flow.points() {
+        for (row, &leak) in leak.iter().enumerate() {
             let entries = &flow.conductance[flow.pattern.row(row)];
             let sum: f64 = entries.iter().sum();
             let scale: f64 = entries.iter().map(|v| v.abs()).sum();
             assert!(
-                (sum - leak[row]).abs() < 1e-14 * scale,
+                (sum - leak).abs() < 1e-14 * scale,
                 "{name} row {row}: {sum:.1e}"
             );
         }

@@ -73,10 +73,11 @@ impl Section for Output {
             ("times", self.times.as_ref().map(|times| times.span)),
             ("every", self.every.map(|every| every.span())),
         ]);
-        self.every
-            .into_iter()
-            .for_each(|every| report.positive("every", every));
         let end = scene.sound(&scene.draft.time).and_then(|time| time.end);
+        if let Some(every) = self.every {
+            report.positive("every", every);
+            check_count(every, end, report);
+        }
         for time in self.times.iter().flat_map(|times| times.iter()) {
             report.not_negative("times", *time);
             if let Some(end) = end
@@ -97,10 +98,31 @@ impl Section for Output {
     }
 }
 
+/// Outputs are files: so many of them are a slip of the pen.
+const MOST_OUTPUTS: f64 = 1e5;
+/// Positions along a profile; more than any cloud could resolve.
+const MOST_POSITIONS: u64 = 100_000;
+
+fn check_count(every: Time, end: Option<Time>, report: &mut Report) {
+    let Some(end) = end.filter(|_| every.value() > 0.0) else {
+        return;
+    };
+    let count = end.value() / every.value();
+    if count > MOST_OUTPUTS {
+        let fault = Diagnostic::new(format!("`every` gives {count:.1e} outputs")).at(every.span());
+        let fault = fault.also(end.span(), "the run ends here");
+        report.add(fault.help(format!("at most {MOST_OUTPUTS:.0} are written")));
+    }
+}
+
 fn check_profile(profile: &Profile, scene: &Context<'_>, report: &mut Report) {
     report.position("from", &profile.from, scene);
     report.position("to", &profile.to, scene);
     report.at_least("points", profile.points, 2);
+    if profile.points.value > MOST_POSITIONS {
+        let message = format!("`points` must be at most {MOST_POSITIONS} along a profile");
+        report.add(Diagnostic::new(message).at(profile.points.span));
+    }
     let (from, to) = (values(&profile.from), values(&profile.to));
     if from.len() != to.len() {
         report.vector("to", &profile.to, Some(from.len()));

@@ -1,0 +1,223 @@
+//! Wrong words on the command line.
+
+use crate::support::{FAULT, Fault, check};
+
+#[test]
+fn names_and_flags_that_do_not_exist() {
+    check(&[
+        Fault {
+            name: "a misspelt case",
+            arguments: &["run", "five-spto"],
+            code: 2,
+            stderr: r#"
+error: there is no file and no bundled case called "five-spto"; did you mean five-spot? (bundled: five-spot, two-layer, channel, heterogeneous, reservoir-3d, theis, manufactured)
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a misspelt case to write",
+            arguments: &["cases", "--write", "chanel"],
+            code: 2,
+            stderr: r#"
+error: there is no bundled case "chanel"; did you mean channel?
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a case that is there already",
+            files: &[("channel/scene.toml", b"mine")],
+            arguments: &["cases", "--write", "channel"],
+            code: 2,
+            stderr: r#"
+error: channel/scene.toml exists already; move it away first
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a misspelt flag",
+            arguments: &["run", "scene.toml", "--sovler", "auto"],
+            code: 2,
+            stderr: r#"
+error: unexpected argument '--sovler' found
+
+  tip: a similar argument exists: '--solver'
+
+Usage: perifrac run --solver <SOLVER> <SCENE>
+
+For more information, try '--help'.
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a verb that does not exist",
+            arguments: &["rum", "scene.toml"],
+            code: 2,
+            stderr: r#"
+error: unrecognized subcommand 'rum'
+
+  tip: a similar subcommand exists: 'run'
+
+Usage: perifrac <COMMAND>
+
+For more information, try '--help'.
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "no scene",
+            arguments: &["run"],
+            code: 2,
+            stderr: r#"
+error: the following required arguments were not provided:
+  <SCENE>
+
+Usage: perifrac run <SCENE>
+
+For more information, try '--help'.
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "no threads",
+            arguments: &["run", "scene.toml", "--threads", "0"],
+            code: 2,
+            stderr: r#"
+error: --threads must be at least 1
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a number of threads that is none",
+            arguments: &["run", "scene.toml", "--threads", "two"],
+            code: 2,
+            stderr: r#"
+error: invalid value 'two' for '--threads <N>': invalid digit found in string
+
+For more information, try '--help'.
+"#,
+            ..FAULT
+        },
+    ]);
+}
+
+#[test]
+fn overrides_that_cannot_be() {
+    check(&[
+        Fault {
+            name: "an override without a value",
+            arguments: &["run", "scene.toml", "--set", "time.end"],
+            stderr: r#"
+error: `--set` needs a key and a value
+ --> --set #1:1:1
+  |
+1 | time.end
+  | ^^^^^^^^
+  |
+  = help: write --set key.path=value, one key at a time
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "an override with an open list",
+            arguments: &["run", "scene.toml", "--set", "geometry.size=[1, 2"],
+            stderr: r#"
+error: unclosed array, expected `]`
+ --> --set #1:1:20
+  |
+1 | geometry.size=[1, 2
+  |                    ^
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "the second of two overrides in a wrong unit",
+            arguments: &[
+                "check",
+                "scene.toml",
+                "--set",
+                "time.step=1",
+                "--set",
+                "time.end=30 m",
+            ],
+            stderr: r#"
+error: expected a time (s), found a length: "30 m"
+ --> --set #2:1:10
+  |
+1 | time.end=30 m
+  |          ^^^^
+  |
+  = help: write it like "2 h"
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "an override of a key that does not exist",
+            arguments: &["plan", "scene.toml", "--set", "time.ned=30 s"],
+            stderr: r#"
+error: unknown key `ned`
+ --> --set #1:1:6
+  |
+1 | time.ned=30 s
+  |      ^^^
+  |
+  = help: did you mean `end`?
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "an override that does not fit the file",
+            arguments: &["run", "scene.toml", "--set", "time.step=200 s"],
+            stderr: r#"
+error: `step` is longer than the run
+  --> --set #1:1:11
+   |
+ 1 | time.step=200 s
+   |           ^^^^^
+   |
+  ::: scene.toml:16:7
+   |
+16 | end = "100 s"
+   |       ------- the run ends here
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a section set to a number",
+            arguments: &["run", "scene.toml", "--set", "materials=3"],
+            stderr: r#"
+error: expected a table of named entries, found 3
+ --> --set #1:1:11
+  |
+1 | materials=3
+  |           ^
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a flag with a scheme that does not exist",
+            arguments: &["run", "scene.toml", "--scheme", "implict"],
+            stderr: r#"
+error: `implict` is not known here
+ --> --set #1:1:13
+  |
+1 | scheme.name="implict"
+  |             ^^^^^^^^^
+  |
+  = help: did you mean `implicit`?
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a flag with a solver that does not exist",
+            arguments: &["run", "scene.toml", "--solver", "faer-ltl"],
+            stderr: r#"
+error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, faer-llt, faer-cg
+ --> --set #1:1:13
+  |
+1 | solver.name="faer-ltl"
+  |             ^^^^^^^^^^
+"#,
+            ..FAULT
+        },
+    ]);
+}

@@ -1,0 +1,167 @@
+//! A long run that the user stops keeps what it has written.
+
+#![cfg(unix)]
+
+use std::io::Read;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::support::Place;
+
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A running program that does not outlive a failed test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Running {
+    fn signal(&self, name: &str) {
+        let id = self.0.id().to_string();
+        let status = Command::new("kill").args([name, &id]).status();
+        assert!(status.unwrap().success());
+    }
+
+    fn ended(&mut self) -> bool {
+        self.0.try_wait().unwrap().is_some()
+    }
+}
+
+/// Millions of explicit steps: far longer than any test waits.
+fn start(place: &Place) -> Running {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_perifrac"));
+    command.args(["run", "scene.toml", "--out", "out", "--scheme", "explicit"]);
+    command.args([
+        "--set",
+        "time.end=1e8",
+        "--set",
+        "time.max_steps=1000000000",
+    ]);
+    command.args(["--set", "output.every=1e4", "--threads", "1"]);
+    command
+        .current_dir(place.path(""))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    Running(command.spawn().unwrap())
+}
+
+fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !done() {
+        assert!(
+            start.elapsed() < PATIENCE,
+            "{what}: nothing after {PATIENCE:?}"
+        );
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn text(place: &Place, name: &str) -> String {
+    String::from_utf8(place.read(name)).unwrap()
+}
+
+fn stopped_by(signal: &str) -> (Place, String) {
+    let place = Place::with_scene(&[]);
+    let mut run = start(&place);
+    wait_for("a second output", || {
+        place.path("out/fields-0001.vtu").exists()
+    });
+    run.signal(signal);
+    wait_for("the end", || run.ended());
+    assert_eq!(run.0.wait().unwrap().code(), Some(130));
+    let [mut stdout, mut stderr] = [String::new(), String::new()];
+    run.0
+        .stdout
+        .take()
+        .unwrap()
+        .read_to_string(&mut stdout)
+        .unwrap();
+    run.0
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut stderr)
+        .unwrap();
+    assert_eq!(stdout, "");
+    (place, stderr)
+}
+
+#[test]
+fn an_interrupted_run_leaves_complete_files() {
+    let (place, stderr) = stopped_by("-INT");
+    let time = stderr.strip_prefix("error: interrupted at t = ");
+    let time = time.and_then(|rest| rest.strip_suffix(" s; what was written is complete\n"));
+    let time: f64 = time.unwrap_or_else(|| panic!("{stderr}")).parse().unwrap();
+    let history = text(&place, "out/history.csv");
+    assert!(history.ends_with('\n'));
+    let columns = |line: &str| line.split(',').count();
+    let header = columns(history.lines().next().unwrap());
+    assert!(history.lines().count() > 1 && history.lines().all(|line| columns(line) == header));
+    let pvd = text(&place, "out/fields.pvd");
+    let collection = roxmltree::Document::parse(&pvd).unwrap();
+    let sets: Vec<_> = collection
+        .descendants()
+        .filter(|n| n.has_tag_name("DataSet"))
+        .collect();
+    let last: f64 = sets
+        .last()
+        .unwrap()
+        .attribute("timestep")
+        .unwrap()
+        .parse()
+        .unwrap();
+    assert!(
+        (last / time - 1.0).abs() < 1e-5,
+        "the last state is at {last} s, not {time} s"
+    );
+    let named: Vec<&str> = sets
+        .iter()
+        .filter_map(|set| set.attribute("file"))
+        .collect();
+    let files = place.list("out");
+    let written: Vec<&String> = files.iter().filter(|name| name.ends_with(".vtu")).collect();
+    assert_eq!(named, written);
+    for name in named {
+        assert!(
+            roxmltree::Document::parse(&text(&place, &format!("out/{name}"))).is_ok(),
+            "{name}"
+        );
+    }
+    let known = |name: &String| name.ends_with(".vtu") || name.ends_with(".pvd");
+    let others: Vec<&String> = files.iter().filter(|name| !known(name)).collect();
+    assert_eq!(others, ["history.csv", "resolved.toml"]);
+}
+
+#[test]
+fn a_run_that_is_asked_to_end_stops_in_the_same_way() {
+    let (_, stderr) = stopped_by("-TERM");
+    assert!(stderr.starts_with("error: interrupted at t = "), "{stderr}");
+}
+
+#[test]
+fn a_second_interruption_does_not_wait_for_a_long_solve() {
+    let place = Place::with_scene(&[("points = [8, 8]", "points = [500, 500]")]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_perifrac"));
+    command.args([
+        "run",
+        "scene.toml",
+        "--out",
+        "out",
+        "--set",
+        "time.mode=steady",
+    ]);
+    let mut run = Running(command.current_dir(place.path("")).spawn().unwrap());
+    wait_for("the start", || place.path("out/resolved.toml").exists());
+    for _ in 0..2 {
+        std::thread::sleep(Duration::from_millis(200));
+        run.signal("-INT");
+    }
+    wait_for("the end", || run.ended());
+    assert_eq!(run.0.wait().unwrap().code(), Some(130));
+    assert!(!place.path("out/summary.json").exists());
+}

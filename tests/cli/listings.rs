@@ -1,0 +1,132 @@
+//! Verbs that only tell or hand out something: cases, solvers, schema, completions, help.
+
+use serde_json::Value;
+
+use crate::support::Place;
+
+const CASES: [&str; 7] = [
+    "five-spot",
+    "two-layer",
+    "channel",
+    "heterogeneous",
+    "reservoir-3d",
+    "theis",
+    "manufactured",
+];
+
+#[test]
+fn every_bundled_case_is_listed_and_sound() {
+    let place = Place::new();
+    let listed = place.succeed(&["cases"]);
+    let names: Vec<&str> = listed
+        .lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    assert_eq!(names, CASES);
+    for name in names {
+        assert!(
+            place
+                .succeed(&["check", name])
+                .starts_with(&format!("{name}: no faults found"))
+        );
+    }
+}
+
+#[test]
+fn a_case_that_was_written_runs_from_its_file() {
+    let place = Place::new();
+    let written = place.succeed(&["cases", "--write", "channel"]);
+    assert!(
+        written.contains("perifrac run channel/scene.toml"),
+        "{written}"
+    );
+    assert_eq!(place.list("channel"), ["README.md", "scene.toml"]);
+    let coarse = [
+        "--set",
+        "geometry.points=[11, 11]",
+        "--set",
+        "materials.channel.region.max=[0.8, 0.55]",
+    ];
+    let fast = [
+        "--set",
+        "output.plots=false",
+        "--set",
+        "time.end=10",
+        "--set",
+        "output.times=[]",
+    ];
+    place.succeed(
+        &[
+            &["run", "channel/scene.toml", "--out", "written"],
+            &coarse[..],
+            &fast,
+        ]
+        .concat(),
+    );
+    place.succeed(&[&["run", "channel", "--out", "bundled"], &coarse[..], &fast].concat());
+    assert!(place.list("written").contains(&"summary.json".to_owned()));
+    assert_eq!(
+        place.read("written/history.csv"),
+        place.read("bundled/history.csv")
+    );
+}
+
+#[test]
+fn the_solvers_are_listed_with_their_options() {
+    let text = Place::new().succeed(&["solvers"]);
+    for word in ["faer-llt", "faer-cg", "auto", "preconditioner="] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
+#[test]
+fn the_schema_is_json_and_knows_the_sections() {
+    let schema: Value = serde_json::from_str(&Place::new().succeed(&["schema"])).unwrap();
+    for section in [
+        "title",
+        "geometry",
+        "fluid",
+        "materials",
+        "flow",
+        "time",
+        "output",
+        "solver",
+    ] {
+        assert!(schema["properties"].get(section).is_some(), "{section}");
+    }
+    assert_eq!(schema["additionalProperties"], Value::Bool(false));
+}
+
+#[test]
+fn completions_are_given_for_every_shell() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let text = Place::new().succeed(&["completions", shell]);
+        assert!(text.contains("perifrac"), "{shell}");
+        assert!(text.contains("threads"), "{shell}");
+    }
+}
+
+#[test]
+fn help_and_version_are_told() {
+    let place = Place::new();
+    let help = place.succeed(&["--help"]);
+    for verb in [
+        "run",
+        "plan",
+        "check",
+        "cases",
+        "solvers",
+        "schema",
+        "completions",
+    ] {
+        assert!(
+            help.lines().any(|line| line.trim_start().starts_with(verb)),
+            "{verb}: {help}"
+        );
+    }
+    assert!(help.contains("130 interrupted"), "{help}");
+    assert_eq!(
+        place.succeed(&["--version"]),
+        format!("perifrac {}\n", env!("CARGO_PKG_VERSION"))
+    );
+}

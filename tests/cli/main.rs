@@ -1,0 +1,16 @@
+//! The command line from outside: what it prints, writes and returns, and what it says of faults.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod fault_calls;
+mod fault_domains;
+mod fault_files;
+mod fault_rocks;
+mod fault_runs;
+mod fault_texts;
+mod folders;
+mod interrupt;
+mod listings;
+mod repeats;
+mod runs;
+mod support;
