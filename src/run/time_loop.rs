@@ -177,7 +177,8 @@ impl<const D: usize> Run<'_, D> {
                 .map(|error| if range > 0.0 { error / range } else { 0.0 });
             if !control.judge(relative, dt) {
                 self.rejected += 1;
-                if control.dt() < SMALLEST * plan.time.end {
+                let smallest = TINIEST * plan.time.end + f64::EPSILON * self.state.time;
+                if control.dt() < smallest {
                     let (time, dt) = (self.state.time, control.dt());
                     return Err(self.failed(StepError::TooSmall { time, dt }));
                 }
@@ -424,8 +425,11 @@ impl<const D: usize> Run<'_, D> {
     }
 }
 
-/// Smallest step relative to the run.
+/// Smallest step relative to the run to which a failing step is cut.
 const SMALLEST: f64 = 1e-12;
+/// The same for steps that are cut for accuracy: with next to no storage the first instant of a run
+/// has a layer this thin.
+const TINIEST: f64 = 1e-30;
 
 /// Step that fits before the next stop without leaving a sliver behind.
 fn clamp(dt: f64, remaining: f64) -> f64 {

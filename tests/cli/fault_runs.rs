@@ -229,7 +229,7 @@ fn runs_that_have_no_end() {
                 ("end = \"100 s\"", "mode = \"steady\""),
             ],
             stderr: r#"
-error: steady: no steady state: the part of the domain around point 0 is sealed, and 1.000e-6 m^D/s net are brought into it; prescribe a pressure somewhere or balance the wells
+error: steady: no steady state: the part of the domain around point 0 is sealed, and 1.000e-6 m³/s net (per metre in 2-D) are brought into it; prescribe a pressure somewhere or balance the wells
 "#,
             ..FAULT
         },
@@ -242,7 +242,7 @@ error: steady: no steady state: the part of the domain around point 0 is sealed,
             code: 4,
             stderr: r#"
 warning: Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s: the run will be unstable
-error: explicit (forward-euler): explicit step unstable at t = 8.000000e1 s: the imbalance grew 2.0e9 times; Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s; use a smaller time.step, leave it out, or use --scheme implicit; the output at t = 0.000000e0 s is kept
+error: explicit (forward-euler): explicit step unstable at t = 1.250000e1 s: the imbalance grew 1.1e1 times; Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s; use a smaller time.step, leave it out, or use --scheme implicit; the output at t = 0.000000e0 s is kept
 "#,
             ..FAULT
         },
