@@ -17,7 +17,7 @@ use perifrac_solvers::{
     Coordinates, CsrView, Problem, SolveError, SolverSpec, SpecError, Symmetry, multiply,
 };
 
-use super::{Pattern, PatternError, scalar};
+use super::{Pattern, PatternError, Refill, scalar};
 use crate::geometry::{Side, Vector};
 use crate::operators::{
     BondForm, Extension, Gradient, Hourglass, Neighbourhood, Parity, column_sums, family_gradient,
@@ -270,7 +270,8 @@ fn multipliers<const D: usize>(
         return Ok(lambda);
     }
     let mut values = vec![0.0; pattern.nonzeros()];
-    scalar::fill(form, natural, &[], pattern, &mut values);
+    let mut plan = Refill::new(form, pattern);
+    scalar::fill(form, natural, &[], pattern, &mut plan, &mut values);
     let mut shifted = values.clone();
     for row in 0..pattern.rows() {
         shifted[pattern.diagonal(row)] *= 1.0 + shift;

@@ -9,3 +9,4 @@ mod scalar;
 pub use consistency::{Consistency, ConsistencyError, consistent_gradient};
 pub use operator::ScalarOperator;
 pub use pattern::{Pattern, PatternError};
+pub use scalar::Refill;

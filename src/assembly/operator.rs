@@ -1,6 +1,6 @@
 //! One trait object per operator: dispatch once per assembly, never per bond.
 
-use super::{Pattern, PatternError, force, scalar};
+use super::{Pattern, PatternError, Refill, force, scalar};
 use crate::geometry::Vector;
 use crate::operators::{BondForm, Extension, Neighbourhood};
 
@@ -24,12 +24,16 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
     /// [`PatternError`] beyond 2³² nonzeros.
     fn pattern(&self) -> Result<Pattern, PatternError>;
 
+    /// What refills of this pattern share.
+    fn refill_plan(&self, pattern: &Pattern) -> Refill;
+
     /// Values for the given mobility (shape `(n,)`), into `values` (shape `(nonzeros,)`).
     fn fill(
         &self,
         extension: &Extension<D>,
         mobility: &[f64],
         pattern: &Pattern,
+        plan: &mut Refill,
         values: &mut [f64],
     );
 
@@ -85,14 +89,19 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         Pattern::new(self)
     }
 
+    fn refill_plan(&self, pattern: &Pattern) -> Refill {
+        Refill::new(self, pattern)
+    }
+
     fn fill(
         &self,
         extension: &Extension<D>,
         mobility: &[f64],
         pattern: &Pattern,
+        plan: &mut Refill,
         values: &mut [f64],
     ) {
-        scalar::fill(self, extension, mobility, pattern, values);
+        scalar::fill(self, extension, mobility, pattern, plan, values);
     }
 
     fn force(

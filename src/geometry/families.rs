@@ -179,6 +179,16 @@ impl<const D: usize> Families<D> {
         self.offset[point] as usize..self.offset[point + 1] as usize
     }
 
+    /// Start of every family in the list of bonds, shape `(n + 1,)`.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offset
+    }
+
+    /// Start of every dual family, shape `(n + 1,)`.
+    pub fn dual_offsets(&self) -> &[u32] {
+        &self.dual_offset
+    }
+
     /// Real neighbour at the end of a bond.
     pub fn neighbour(&self, bond: usize) -> usize {
         self.neighbour[bond] as usize

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use perifrac_solvers::CsrView;
 use rayon::prelude::*;
 
-use crate::assembly::{Consistency, Pattern, ScalarOperator, consistent_gradient};
+use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator, consistent_gradient};
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Side, Vector};
@@ -55,6 +55,7 @@ pub struct FlowModel<const D: usize> {
     /// Sides of prescribed pressure.
     pub walls: Vec<Wall>,
     column: Option<Column<D>>,
+    refill_plan: Refill,
 }
 
 impl<const D: usize> FlowModel<D> {
@@ -98,6 +99,7 @@ impl<const D: usize> FlowModel<D> {
                 .collect(),
             initial: initial.collect(),
             walls: Vec::new(),
+            refill_plan: Refill::default(),
             pattern: Pattern {
                 offsets: vec![0],
                 columns: Vec::new(),
@@ -119,6 +121,7 @@ impl<const D: usize> FlowModel<D> {
     pub(super) fn assemble(mut self, plan: &Plan) -> Result<Self, ModelError> {
         self.pattern = self.operator.pattern()?;
         self.conductance = vec![0.0; self.pattern.nonzeros()];
+        self.refill_plan = self.operator.refill_plan(&self.pattern);
         self.refill();
         let cloud = &self.operator.neighbourhood().cloud;
         let storage: Vec<f64> = self
@@ -147,9 +150,13 @@ impl<const D: usize> FlowModel<D> {
 
     /// Fills L anew from the current mobility, into the same pattern.
     pub fn refill(&mut self) {
-        let (extension, pattern) = (&self.extension, &self.pattern);
-        self.operator
-            .fill(extension, &self.mobility, pattern, &mut self.conductance);
+        self.operator.fill(
+            &self.extension,
+            &self.mobility,
+            &self.pattern,
+            &mut self.refill_plan,
+            &mut self.conductance,
+        );
         self.refills += 1;
     }
 
@@ -347,7 +354,10 @@ impl<const D: usize> FlowModel<D> {
         vec![
             ("bonds", self.operator.neighbourhood().bytes()),
             ("operator", self.operator.bytes()),
-            ("matrix", self.pattern.bytes() + 8 * self.conductance.len()),
+            (
+                "matrix",
+                self.pattern.bytes() + self.refill_plan.bytes() + 8 * self.conductance.len(),
+            ),
             (
                 "coefficients",
                 8 * (self.mobility.len() + self.capacity.len() + self.initial.len()),

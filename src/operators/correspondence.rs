@@ -71,6 +71,13 @@ impl<const D: usize> Correspondence<D> {
     }
 }
 
+impl<const D: usize> Correspondence<D> {
+    /// 2 c V_i/m_i.
+    fn scale(&self, owner: usize) -> f64 {
+        2.0 * self.hourglass * self.around.cloud.volume[owner] / self.around.moment[owner]
+    }
+}
+
 /// I − (2c/m) K of one family.
 fn bracket<const D: usize>(around: &Neighbourhood<D>, owner: usize, hourglass: f64) -> Matrix<D> {
     Matrix::identity() - around.shape(owner) * (2.0 * hourglass / around.moment[owner])
@@ -86,9 +93,16 @@ impl<const D: usize> BondForm<D> for Correspondence<D> {
     }
 
     fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
-        let scale =
-            2.0 * self.hourglass * self.around.cloud.volume[owner] / self.around.moment[owner];
-        scale * self.around.measure[bond] * mobility[owner]
+        self.scale(owner) * mobility[owner] * self.around.measure[bond]
+    }
+
+    fn conductances(&self, owner: usize, mobility: &[f64], conductances: &mut [f64]) {
+        let scale = self.scale(owner) * mobility[owner];
+        let measure = &self.around.measure[self.around.families.family(owner)];
+        conductances
+            .iter_mut()
+            .zip(measure)
+            .for_each(|(c, m)| *c = scale * m);
     }
 
     fn couples(&self, owner: usize) -> bool {

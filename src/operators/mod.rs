@@ -45,6 +45,14 @@ pub trait BondForm<const D: usize>: Send + Sync {
     /// Diagonal entry of A for one bond of `owner`; `mobility` is K/μ per point in m²/(Pa s).
     fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64;
 
+    /// Conductances of the whole family of `owner`, in the order of its bonds.
+    fn conductances(&self, owner: usize, mobility: &[f64], conductances: &mut [f64]) {
+        let family = self.neighbourhood().families.family(owner);
+        for (bond, conductance) in family.zip(conductances) {
+            *conductance = self.conductance(owner, bond, mobility);
+        }
+    }
+
     /// Whether the family of `owner` has coupling terms, that is a second hop.
     fn couples(&self, _owner: usize) -> bool {
         false
