@@ -1,6 +1,7 @@
 //! One run: build the model, step to the end, write what was asked for.
 
 mod error;
+mod stops;
 mod summary;
 mod time_loop;
 mod writer;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use super::stops::{Stops, clamp};
 use super::{FieldError, RunError, Summary, Writer};
 use crate::geometry::Side;
 use crate::model::Model;
@@ -367,6 +368,9 @@ impl<const D: usize> Run<'_, D> {
         };
         let cloud = &self.model.cloud;
         let steady = self.plan.time.mode == TimeMode::Steady;
+        if exact.steady_only() && !steady && !self.is_settled() {
+            return errors;
+        }
         let manufactured = self
             .plan
             .reference
@@ -406,6 +410,15 @@ impl<const D: usize> Run<'_, D> {
         errors
     }
 
+    /// Whether storage takes up next to nothing any more, so that a steady solution may be compared.
+    fn is_settled(&self) -> bool {
+        let (flow, state) = (&self.model.flow, &self.state);
+        let mut imbalance = vec![0.0; state.pressure.len()];
+        flow.imbalance(state.time, &state.pressure, &mut imbalance);
+        let taken: f64 = imbalance.iter().map(|rate| rate.abs()).sum();
+        taken <= SETTLED * flow.flows(&state.pressure, state.time).gross
+    }
+
     fn counters(&self, scheme: SchemeCounters) -> Counters {
         let flow = &self.model.flow;
         let mut evaluations = BTreeMap::new();
@@ -425,20 +438,13 @@ impl<const D: usize> Run<'_, D> {
     }
 }
 
+/// Rate of storage, relative to all rates, below which a transient counts as settled.
+const SETTLED: f64 = 1e-4;
 /// Smallest step relative to the run to which a failing step is cut.
 const SMALLEST: f64 = 1e-12;
 /// The same for steps that are cut for accuracy: with next to no storage the first instant of a run
 /// has a layer this thin.
 const TINIEST: f64 = 1e-30;
-
-/// Step that fits before the next stop without leaving a sliver behind.
-fn clamp(dt: f64, remaining: f64) -> f64 {
-    match remaining / dt {
-        r if r <= 1.0 + 1e-9 => remaining,
-        r if r < 2.0 - 1e-9 => 0.5 * remaining,
-        _ => dt,
-    }
-}
 
 fn extremes(values: &[f64]) -> [f64; 2] {
     let start = [f64::INFINITY, f64::NEG_INFINITY];
@@ -451,53 +457,4 @@ fn extremes(values: &[f64]) -> [f64; 2] {
 fn spread(pressure: &[f64], walls: &[f64]) -> f64 {
     let ([low, high], [wall_low, wall_high]) = (extremes(pressure), extremes(walls));
     high.max(wall_high) - low.min(wall_low)
-}
-
-/// A time at which a step must end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Stop {
-    time: f64,
-    output: bool,
-}
-
-/// Output times and breakpoints of loads up to the end.
-struct Stops {
-    stops: std::vec::IntoIter<Stop>,
-    current: Option<Stop>,
-}
-
-impl Stops {
-    fn new(plan: &Plan, breakpoints: &[f64]) -> Self {
-        let end = plan.time.end;
-        let outputs = plan
-            .output
-            .times
-            .iter()
-            .map(|&time| Stop { time, output: true });
-        let breaks = breakpoints.iter().map(|&time| Stop {
-            time,
-            output: false,
-        });
-        let mut stops: Vec<Stop> = outputs
-            .chain(breaks)
-            .filter(|stop| stop.time > 0.0 && stop.time < end * (1.0 - 1e-12))
-            .collect();
-        stops.push(Stop {
-            time: end,
-            output: true,
-        });
-        stops.sort_by(|a, b| a.time.total_cmp(&b.time).then(b.output.cmp(&a.output)));
-        stops.dedup_by(|b, a| b.time - a.time <= 1e-12 * end);
-        let mut stops = stops.into_iter();
-        let current = stops.next();
-        Stops { stops, current }
-    }
-
-    fn next(&self) -> Option<Stop> {
-        self.current
-    }
-
-    fn pass(&mut self) {
-        self.current = self.stops.next();
-    }
 }

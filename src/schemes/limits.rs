@@ -57,10 +57,11 @@ fn fastest_exchange<const D: usize>(flow: &FlowModel<D>) -> (usize, f64) {
 /// Upper estimate of the largest eigenvalue of C⁻¹ L, 1/s.
 fn largest_eigenvalue<const D: usize>(flow: &FlowModel<D>) -> f64 {
     let scale: Vec<f64> = flow.capacity.iter().map(|c| 1.0 / c.sqrt()).collect();
+    let matrix = flow.matrix();
     let apply = |x: &[f64]| {
         let scaled: Vec<f64> = x.iter().zip(&scale).map(|(x, s)| x * s).collect();
         let mut y = vec![0.0; x.len()];
-        multiply(flow.matrix(), &scaled, &mut y);
+        multiply(matrix, &scaled, &mut y);
         y.iter_mut().zip(&scale).for_each(|(y, s)| *y *= s);
         y
     };
