@@ -270,8 +270,8 @@ fn multipliers<const D: usize>(
         return Ok(lambda);
     }
     let mut values = vec![0.0; pattern.nonzeros()];
-    let mut plan = Refill::new(form, pattern);
-    scalar::fill(form, natural, &[], pattern, &mut plan, &mut values);
+    let plan = Refill::new(form, natural, pattern);
+    scalar::fill(form, natural, &[], pattern, &plan, &mut values);
     let mut shifted = values.clone();
     for row in 0..pattern.rows() {
         shifted[pattern.diagonal(row)] *= 1.0 + shift;

@@ -25,7 +25,7 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
     fn pattern(&self) -> Result<Pattern, PatternError>;
 
     /// What refills of this pattern share.
-    fn refill_plan(&self, pattern: &Pattern) -> Refill;
+    fn refill_plan(&self, extension: &Extension<D>, pattern: &Pattern) -> Refill;
 
     /// Values for the given mobility (shape `(n,)`), into `values` (shape `(nonzeros,)`).
     fn fill(
@@ -33,7 +33,7 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
         extension: &Extension<D>,
         mobility: &[f64],
         pattern: &Pattern,
-        plan: &mut Refill,
+        plan: &Refill,
         values: &mut [f64],
     );
 
@@ -89,8 +89,8 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         Pattern::new(self)
     }
 
-    fn refill_plan(&self, pattern: &Pattern) -> Refill {
-        Refill::new(self, pattern)
+    fn refill_plan(&self, extension: &Extension<D>, pattern: &Pattern) -> Refill {
+        Refill::new(self, extension, pattern)
     }
 
     fn fill(
@@ -98,7 +98,7 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         extension: &Extension<D>,
         mobility: &[f64],
         pattern: &Pattern,
-        plan: &mut Refill,
+        plan: &Refill,
         values: &mut [f64],
     ) {
         scalar::fill(self, extension, mobility, pattern, plan, values);

@@ -1,8 +1,8 @@
 //! Values of an assembled scalar operator, row by row: rows are owned, so threads never meet.
 //!
-//! A refill has two passes. The first computes the conductance of every bond once, in order. The
-//! second collects each row from its own bonds and from those that end at it, through places in the
-//! row that are found once per pattern.
+//! Operators that reach one hop are refilled in the order of the pattern, from factors summed per
+//! entry once. Operators with a second hop are collected family by family, through places in the
+//! rows that are found once per pattern.
 
 use std::cell::RefCell;
 
@@ -19,47 +19,169 @@ thread_local! {
 
 const CHUNK: usize = 512;
 
-/// What refills of one pattern share: places in rows, and room for the conductances.
+/// What refills of one pattern share.
+#[derive(Debug, Clone)]
+pub enum Refill {
+    /// For operators that reach one hop.
+    OneHop(OneHop),
+    /// For operators with a second hop.
+    TwoHops(TwoHops),
+}
+
+impl Default for Refill {
+    fn default() -> Self {
+        Refill::OneHop(OneHop::default())
+    }
+}
+
+/// Geometric factors per entry of the matrix, signs included.
 #[derive(Debug, Clone, Default)]
-pub struct Refill {
+pub struct OneHop {
+    /// Factors of the bonds from the row's point to the column's, shape `(nonzeros,)`.
+    forward: Vec<f64>,
+    /// Factors of the bonds from the column's point to the row's, shape `(nonzeros,)`.
+    backward: Vec<f64>,
+    /// Owner, end and factor of the bonds to odd images, which leave the domain.
+    odd: Vec<(u32, u32, f64)>,
+}
+
+/// Places in rows.
+#[derive(Debug, Clone, Default)]
+pub struct TwoHops {
     /// Place of the neighbour of every bond in the row of its owner, shape `(bonds,)`.
     own: Vec<u16>,
     /// Place of the owner in the row of the neighbour, in the order of the dual families.
     dual: Vec<u16>,
-    /// Conductance of every bond, shape `(bonds,)`.
-    conductance: Vec<f64>,
 }
 
 impl Refill {
-    /// Finds all places.
-    pub fn new<const D: usize, F: BondForm<D>>(form: &F, pattern: &Pattern) -> Self {
-        let families = &form.neighbourhood().families;
-        let bonds = families.bonds();
-        let mut plan = Refill {
-            own: vec![0; bonds],
-            dual: vec![0; bonds],
-            conductance: vec![0.0; bonds],
-        };
-        let place = |row: usize, column: usize| {
-            let columns = &pattern.columns[pattern.row(row)];
-            columns.partition_point(|&c| (c as usize) < column) as u16
-        };
-        by_rows(families.offsets(), &mut plan.own, |row, places| {
-            for (bond, own) in families.family(row).zip(places) {
-                *own = place(row, families.neighbour(bond));
-            }
-        });
-        by_rows(families.dual_offsets(), &mut plan.dual, |row, places| {
-            for ((owner, _), dual) in families.dual(row).zip(places) {
-                *dual = place(row, owner);
-            }
-        });
-        plan
+    /// Prepares refills of `pattern`.
+    pub fn new<const D: usize, F: BondForm<D>>(
+        form: &F,
+        extension: &Extension<D>,
+        pattern: &Pattern,
+    ) -> Self {
+        let points = form.neighbourhood().len();
+        match (0..points).any(|owner| form.couples(owner)) {
+            true => Refill::TwoHops(TwoHops::new(form, pattern)),
+            false => Refill::OneHop(OneHop::new(form, extension, pattern)),
+        }
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        2 * (self.own.len() + self.dual.len()) + 8 * self.conductance.len()
+        match self {
+            Refill::OneHop(plan) => {
+                8 * (plan.forward.len() + plan.backward.len())
+                    + size_of::<(u32, u32, f64)>() * plan.odd.len()
+            }
+            Refill::TwoHops(plan) => 2 * (plan.own.len() + plan.dual.len()),
+        }
+    }
+}
+
+/// Place of a column in the row of a pattern.
+fn place(pattern: &Pattern, row: usize, column: usize) -> usize {
+    let columns = &pattern.columns[pattern.row(row)];
+    columns.partition_point(|&c| (c as usize) < column)
+}
+
+impl OneHop {
+    fn new<const D: usize, F: BondForm<D>>(
+        form: &F,
+        extension: &Extension<D>,
+        pattern: &Pattern,
+    ) -> Self {
+        let families = &form.neighbourhood().families;
+        let signed =
+            |owner, bond| extension.sign(families.image(bond)) * form.geometric(owner, bond);
+        let mut plan = OneHop {
+            forward: vec![0.0; pattern.nonzeros()],
+            backward: vec![0.0; pattern.nonzeros()],
+            odd: Vec::new(),
+        };
+        by_rows(&pattern.offsets, &mut plan.forward, |row, entries| {
+            for bond in families.family(row) {
+                entries[place(pattern, row, families.neighbour(bond))] += signed(row, bond);
+            }
+        });
+        by_rows(&pattern.offsets, &mut plan.backward, |row, entries| {
+            for (owner, bond) in families.dual(row) {
+                entries[place(pattern, row, owner)] += signed(owner, bond);
+            }
+        });
+        for owner in 0..families.len() {
+            for bond in families.family(owner) {
+                if extension.sign(families.image(bond)) < 0.0 {
+                    let end = families.neighbour(bond) as u32;
+                    plan.odd
+                        .push((owner as u32, end, form.geometric(owner, bond)));
+                }
+            }
+        }
+        plan
+    }
+
+    /// Off-diagonal entries in the order of the pattern; the diagonal closes each row, and what
+    /// leaves through odd images comes on top.
+    fn fill<const D: usize, F: BondForm<D>>(
+        &self,
+        form: &F,
+        mobility: &[f64],
+        pattern: &Pattern,
+        values: &mut [f64],
+    ) {
+        by_rows(&pattern.offsets, values, |row, values| {
+            let range = pattern.row(row);
+            let columns = &pattern.columns[range.clone()];
+            let factors = self.forward[range.clone()]
+                .iter()
+                .zip(&self.backward[range]);
+            let (own, mut sum, mut diagonal) = (mobility[row], 0.0, 0);
+            for (k, ((&column, (forward, backward)), value)) in columns
+                .iter()
+                .zip(factors)
+                .zip(values.iter_mut())
+                .enumerate()
+            {
+                if column as usize == row {
+                    diagonal = k;
+                    continue;
+                }
+                let other = mobility[column as usize];
+                *value = -(forward * form.mean(own, other) + backward * form.mean(other, own));
+                sum += *value;
+            }
+            values[diagonal] = -sum;
+        });
+        for &(owner, end, factor) in &self.odd {
+            let mean = form.mean(mobility[owner as usize], mobility[end as usize]);
+            for point in [owner, end] {
+                values[pattern.diagonal(point as usize)] += 2.0 * factor * mean;
+            }
+        }
+    }
+}
+
+impl TwoHops {
+    fn new<const D: usize, F: BondForm<D>>(form: &F, pattern: &Pattern) -> Self {
+        let families = &form.neighbourhood().families;
+        let bonds = families.bonds();
+        let mut plan = TwoHops {
+            own: vec![0; bonds],
+            dual: vec![0; bonds],
+        };
+        by_rows(families.offsets(), &mut plan.own, |row, places| {
+            for (bond, own) in families.family(row).zip(places) {
+                *own = place(pattern, row, families.neighbour(bond)) as u16;
+            }
+        });
+        by_rows(families.dual_offsets(), &mut plan.dual, |row, places| {
+            for ((owner, _), dual) in families.dual(row).zip(places) {
+                *dual = place(pattern, row, owner) as u16;
+            }
+        });
+        plan
     }
 }
 
@@ -92,18 +214,13 @@ pub fn fill<const D: usize, F: BondForm<D>>(
     extension: &Extension<D>,
     mobility: &[f64],
     pattern: &Pattern,
-    plan: &mut Refill,
+    plan: &Refill,
     values: &mut [f64],
 ) {
-    let families = &form.neighbourhood().families;
-    by_rows(
-        families.offsets(),
-        &mut plan.conductance,
-        |owner, conductances| {
-            form.conductances(owner, mobility, conductances);
-        },
-    );
-    let plan = &*plan;
+    let plan = match plan {
+        Refill::OneHop(plan) => return plan.fill(form, mobility, pattern, values),
+        Refill::TwoHops(plan) => plan,
+    };
     by_rows(&pattern.offsets, values, |row, values| {
         let mut row = Row {
             form,
@@ -124,7 +241,7 @@ struct Row<'a, const D: usize, F> {
     extension: &'a Extension<D>,
     mobility: &'a [f64],
     pattern: &'a Pattern,
-    plan: &'a Refill,
+    plan: &'a TwoHops,
     row: usize,
     values: &'a mut [f64],
 }
@@ -137,14 +254,14 @@ impl<const D: usize, F: BondForm<D>> Row<'_, D, F> {
         let mut diagonal = 0.0;
         let family = families.family(self.row);
         for (bond, &place) in family.clone().zip(&self.plan.own[family]) {
-            let conductance = self.plan.conductance[bond];
+            let conductance = self.form.conductance(self.row, bond, self.mobility);
             diagonal += conductance;
             self.values[usize::from(place)] -=
                 self.extension.sign(families.image(bond)) * conductance;
         }
         let start = families.dual_offsets()[self.row] as usize;
-        for ((_, bond), &place) in families.dual(self.row).zip(&self.plan.dual[start..]) {
-            let conductance = self.plan.conductance[bond];
+        for ((owner, bond), &place) in families.dual(self.row).zip(&self.plan.dual[start..]) {
+            let conductance = self.form.conductance(owner, bond, self.mobility);
             diagonal += conductance;
             self.values[usize::from(place)] -=
                 self.extension.sign(families.image(bond)) * conductance;

@@ -121,7 +121,7 @@ impl<const D: usize> FlowModel<D> {
     pub(super) fn assemble(mut self, plan: &Plan) -> Result<Self, ModelError> {
         self.pattern = self.operator.pattern()?;
         self.conductance = vec![0.0; self.pattern.nonzeros()];
-        self.refill_plan = self.operator.refill_plan(&self.pattern);
+        self.refill_plan = self.operator.refill_plan(&self.extension, &self.pattern);
         self.refill();
         let cloud = &self.operator.neighbourhood().cloud;
         let storage: Vec<f64> = self
@@ -154,7 +154,7 @@ impl<const D: usize> FlowModel<D> {
             &self.extension,
             &self.mobility,
             &self.pattern,
-            &mut self.refill_plan,
+            &self.refill_plan,
             &mut self.conductance,
         );
         self.refills += 1;

@@ -125,14 +125,14 @@ impl<const D: usize> BondForm<D> for BondConductance<D> {
         &self.around
     }
 
-    fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
-        let (a, b) = (
-            mobility[owner],
-            mobility[self.around.families.neighbour(bond)],
-        );
+    fn geometric(&self, _owner: usize, bond: usize) -> f64 {
+        self.geometric[bond]
+    }
+
+    fn mean(&self, owner: f64, end: f64) -> f64 {
         // Divide by the larger one first: the product of two tiny mobilities underflows.
-        let (small, large) = if a < b { (a, b) } else { (b, a) };
-        self.geometric[bond] * 2.0 * small / (1.0 + small / large)
+        let (small, large) = (owner.min(end), owner.max(end));
+        2.0 * small / (1.0 + small / large)
     }
 
     /// Sum over the bonds of what each carries: the flux is continuous across jumps of the mobility.

@@ -71,13 +71,6 @@ impl<const D: usize> Correspondence<D> {
     }
 }
 
-impl<const D: usize> Correspondence<D> {
-    /// 2 c V_i/m_i.
-    fn scale(&self, owner: usize) -> f64 {
-        2.0 * self.hourglass * self.around.cloud.volume[owner] / self.around.moment[owner]
-    }
-}
-
 /// I − (2c/m) K of one family.
 fn bracket<const D: usize>(around: &Neighbourhood<D>, owner: usize, hourglass: f64) -> Matrix<D> {
     Matrix::identity() - around.shape(owner) * (2.0 * hourglass / around.moment[owner])
@@ -92,17 +85,13 @@ impl<const D: usize> BondForm<D> for Correspondence<D> {
         &self.around
     }
 
-    fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
-        self.scale(owner) * mobility[owner] * self.around.measure[bond]
+    fn geometric(&self, owner: usize, bond: usize) -> f64 {
+        let scale = 2.0 * self.hourglass / self.around.moment[owner];
+        scale * self.around.cloud.volume[owner] * self.around.measure[bond]
     }
 
-    fn conductances(&self, owner: usize, mobility: &[f64], conductances: &mut [f64]) {
-        let scale = self.scale(owner) * mobility[owner];
-        let measure = &self.around.measure[self.around.families.family(owner)];
-        conductances
-            .iter_mut()
-            .zip(measure)
-            .for_each(|(c, m)| *c = scale * m);
+    fn mean(&self, owner: f64, _end: f64) -> f64 {
+        owner
     }
 
     fn couples(&self, owner: usize) -> bool {

@@ -40,8 +40,16 @@ impl<const D: usize> BondForm<D> for Hourglass<D> {
         &self.around
     }
 
-    fn conductance(&self, owner: usize, bond: usize, _mobility: &[f64]) -> f64 {
+    fn geometric(&self, owner: usize, bond: usize) -> f64 {
         self.around.cloud.volume[owner] * self.around.measure[bond]
+    }
+
+    fn mean(&self, _owner: f64, _end: f64) -> f64 {
+        1.0
+    }
+
+    fn conductance(&self, owner: usize, bond: usize, _mobility: &[f64]) -> f64 {
+        self.geometric(owner, bond)
     }
 
     fn couples(&self, _owner: usize) -> bool {

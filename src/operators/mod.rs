@@ -42,15 +42,16 @@ pub trait BondForm<const D: usize>: Send + Sync {
     /// The families the form lives on.
     fn neighbourhood(&self) -> &Neighbourhood<D>;
 
-    /// Diagonal entry of A for one bond of `owner`; `mobility` is K/μ per point in m²/(Pa s).
-    fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64;
+    /// Geometric factor of one bond of `owner`: its conductance for unit mobility, m^(D−2).
+    fn geometric(&self, owner: usize, bond: usize) -> f64;
 
-    /// Conductances of the whole family of `owner`, in the order of its bonds.
-    fn conductances(&self, owner: usize, mobility: &[f64], conductances: &mut [f64]) {
-        let family = self.neighbourhood().families.family(owner);
-        for (bond, conductance) in family.zip(conductances) {
-            *conductance = self.conductance(owner, bond, mobility);
-        }
+    /// Mobility of a bond from those of its owner and of its end, m²/(Pa s).
+    fn mean(&self, owner: f64, end: f64) -> f64;
+
+    /// Diagonal entry of A for one bond of `owner`; `mobility` is K/μ per point in m²/(Pa s).
+    fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
+        let end = self.neighbourhood().families.neighbour(bond);
+        self.geometric(owner, bond) * self.mean(mobility[owner], mobility[end])
     }
 
     /// Whether the family of `owner` has coupling terms, that is a second hop.
