@@ -214,9 +214,9 @@ fn solver(plan: &Plan, sample: &Sample) -> Reason {
 /// n log n in 2-D and n^(4/3) in 3-D.
 fn factor_bytes(points: f64, nonzeros: f64, dimension: usize) -> f64 {
     let growth = if dimension == 2 {
-        0.45 * points.log2()
+        0.31 * points.log2()
     } else {
-        0.55 * points.cbrt()
+        0.14 * points.cbrt()
     };
     12.0 * nonzeros * growth.max(1.0)
 }

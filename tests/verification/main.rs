@@ -5,6 +5,7 @@
 mod support;
 
 mod effects;
+mod estimates;
 mod five_spot;
 mod gravity;
 mod operators;
