@@ -113,12 +113,12 @@ fn manufactured_solution_on_blocks() {
     assert_orders(
         "blocks in the plane",
         &manufactured(&blocks(2, 8.0), &["horizon={ratio=2.2}"]),
-        1.3,
+        1.9,
     );
     assert_orders(
         "blocks in space",
         &manufactured(&blocks(3, 4.0), &["horizon={ratio=2.2}"]),
-        1.3,
+        1.9,
     );
 }
 
