@@ -39,11 +39,6 @@ impl<const D: usize> Image<D> {
     pub fn place(&self, x: &Vector<D>) -> Vector<D> {
         x.component_mul(&self.scale) + self.shift
     }
-
-    /// +1 or −1 per axis: what the image does to the components of a direction.
-    pub fn orientation(&self) -> &Vector<D> {
-        &self.scale
-    }
 }
 
 /// All images that families can reach; number 0 is the identity.

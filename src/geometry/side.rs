@@ -32,14 +32,6 @@ impl Side {
         }
     }
 
-    /// The side called `name`, if there is one.
-    pub fn from_name(name: &str) -> Option<Side> {
-        NAMES
-            .iter()
-            .position(|&known| known == name)
-            .map(Side::from_index)
-    }
-
     /// Name in scenes and reports, such as `left`.
     pub fn name(self) -> &'static str {
         NAMES[self.index()]

@@ -338,11 +338,6 @@ impl<const D: usize> FlowModel<D> {
         times
     }
 
-    /// Whether a side or a point has a prescribed pressure.
-    pub fn is_anchored(&self) -> bool {
-        !self.fixed.is_empty() || !self.walls.is_empty()
-    }
-
     /// Bytes held, by what holds them.
     pub fn bytes(&self) -> Vec<(&'static str, usize)> {
         let effects: usize = self

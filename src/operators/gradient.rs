@@ -88,3 +88,38 @@ pub fn column_sums<const D: usize>(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geometry::generate::lattice;
+    use crate::geometry::{Families, Horizon, Influence, Side, horizons};
+    use crate::operators::Parity;
+
+    /// Area vectors of a 12 × 8 lattice whose left side is one-sided for the field.
+    #[test]
+    fn area_vectors_vanish_inside_and_add_up_to_a_one_sided_face() {
+        let cloud = lattice(Vector::<2>::zeros(), Vector::<2>::new(1.2, 0.8), [12, 8]).unwrap();
+        let horizon = horizons(&cloud, Horizon::Neighbours(15)).unwrap();
+        let families = Families::search(&cloud, horizon).unwrap();
+        let planes: Vec<f64> = Side::all(2).map(|side| cloud.domain.plane(side)).collect();
+        let parity = [Parity::OneSided, Parity::Odd, Parity::Even, Parity::Even];
+        let extension = Extension::new(&families.images, &parity, &planes);
+        let families = families
+            .retain_images(|image| extension.keeps(image))
+            .unwrap();
+        let (cloud, families) = (Arc::new(cloud), Arc::new(families));
+        let around = Neighbourhood::new(cloud, families, Influence::default()).unwrap();
+        let areas = area_vectors(&around, &Gradient::plain(&around), &extension);
+        let total: f64 = areas.iter().map(|area| area[0]).sum();
+        assert!(
+            (total + 0.8).abs() < 1e-12,
+            "outward through the left side: {total}"
+        );
+        for (area, x) in areas.iter().zip(&around.cloud.position) {
+            assert!(x[0] < 0.5 || area[0].abs() < 1e-13, "{area} at {x}");
+        }
+    }
+}

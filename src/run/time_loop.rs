@@ -319,6 +319,7 @@ impl<const D: usize> Run<'_, D> {
         limit: Option<schemes::StepLimit>,
         wall: f64,
     ) -> Result<(Summary, State), RunError> {
+        self.warn_of_imbalance();
         let flow = &self.model.flow;
         let rates = flow.outflow(&self.state.pressure, self.state.time);
         let outflow: BTreeMap<&'static str, f64> = Side::all(D)
@@ -359,6 +360,19 @@ impl<const D: usize> Run<'_, D> {
             writer.summary(&summary)?;
         }
         Ok((summary, self.state))
+    }
+
+    /// A balance this poor means that the linear systems are beyond what double precision resolves.
+    fn warn_of_imbalance(&mut self) {
+        let mass = self.balance.mass;
+        if mass > POOR_BALANCE {
+            let message = format!(
+                "mass is balanced to {mass:.1e} of the turnover only: the permeability contrast \
+                 leaves the pressure too few digits; trust the pressure, not the side rates"
+            );
+            self.observer.warn(&message);
+            self.warnings.push(message);
+        }
     }
 
     fn errors(&self, outflow: &[f64]) -> BTreeMap<&'static str, FieldError> {
@@ -438,6 +452,8 @@ impl<const D: usize> Run<'_, D> {
     }
 }
 
+/// Mass balance, relative to the turnover, that is worth a warning.
+const POOR_BALANCE: f64 = 1e-8;
 /// Rate of storage, relative to all rates, below which a transient counts as settled.
 const SETTLED: f64 = 1e-4;
 /// Smallest step relative to the run to which a failing step is cut.
