@@ -123,7 +123,7 @@ impl Transient {
             .materials
             .first()
             .context("the five-spot has one material")?;
-        let PermeabilityPlan::Uniform(permeability) = material.permeability else {
+        let Some(PermeabilityPlan::Uniform(permeability)) = material.permeability else {
             anyhow::bail!("the five-spot has one permeability");
         };
         let mobility = permeability / plan.fluid.viscosity;

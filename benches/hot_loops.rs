@@ -11,7 +11,10 @@ use perifrac::model::{build_cloud, build_families};
 use perifrac::plan::Plan;
 use perifrac_solvers::multiply;
 
-use support::{Marcher, OPERATORS, Triad, model, product_bytes, quick, rough_pressure, step_bytes};
+use support::{
+    Marcher, OPERATORS, Triad, flow, model, product_bytes, quick, refill, rough_pressure,
+    step_bytes,
+};
 
 fn main() -> Result<()> {
     let mut criterion = Criterion::default()
@@ -39,9 +42,9 @@ fn operator_loops<const D: usize>(plan: &Plan, group: &mut Group<'_>) -> Result<
     set_up::<D>(plan, group)?;
     let mut model = model::<D>(plan)?;
     group.sampling_mode(SamplingMode::Auto).sample_size(20);
-    group.throughput(Throughput::Elements(model.flow.pattern.nonzeros() as u64));
-    group.bench_function("refill", |bench| bench.iter(|| model.flow.refill()));
-    let flow = &model.flow;
+    group.throughput(Throughput::Elements(flow(&model)?.pattern.nonzeros() as u64));
+    group.bench_function("refill", |bench| bench.iter(|| refill(&mut model)));
+    let flow = flow(&model)?;
     let pressure = rough_pressure(flow.points());
     let mut result = vec![0.0; flow.points()];
     // The view checks the whole structure, so it is made once and not measured with the product.

@@ -11,8 +11,8 @@ use perifrac::run::Summary;
 use perifrac_solvers::multiply;
 
 use support::{
-    Marcher, OPERATORS, Triad, median, model, plan, quick, rough_pressure, seconds, seconds_each,
-    step_bytes, summary,
+    Marcher, OPERATORS, Triad, flow, median, model, plan, quick, refill, rough_pressure, seconds,
+    seconds_each, step_bytes, summary,
 };
 
 fn main() -> Result<()> {
@@ -128,17 +128,18 @@ const REPETITIONS: usize = 21;
 const CALLS: usize = 8;
 
 fn measure<const D: usize>(mut model: Model<D>, triad: &mut Triad) -> Result<Loops> {
-    let points = model.flow.points();
+    let points = flow(&model)?.points();
     let pressure = rough_pressure(points);
     let mut result = vec![0.0; points];
     let mut marcher = Marcher::new(&model)?;
     let mut samples: [Vec<f64>; 5] = Default::default();
     for _ in 0..if quick() { 1 } else { REPETITIONS } {
-        let refill = seconds_each(2, || model.flow.refill());
+        let refilled = seconds_each(2, || refill(&mut model));
+        let flow = flow(&model)?;
         let view = seconds(|| {
-            black_box(model.flow.matrix());
+            black_box(flow.matrix());
         });
-        let matrix = model.flow.matrix();
+        let matrix = flow.matrix();
         multiply(matrix, &pressure, &mut result);
         let product = seconds_each(CALLS, || {
             multiply(matrix, black_box(&pressure), &mut result)
@@ -147,12 +148,16 @@ fn measure<const D: usize>(mut model: Model<D>, triad: &mut Triad) -> Result<Loo
         let step = seconds_each(CALLS, || outcome = marcher.step(&model));
         outcome?;
         let triad = seconds_each(2, || triad.run());
-        for (all, one) in samples.iter_mut().zip([refill, view, product, step, triad]) {
+        for (all, one) in samples
+            .iter_mut()
+            .zip([refilled, view, product, step, triad])
+        {
             all.push(one);
         }
     }
     let [refill, view, product, step, triad] = samples.map(|all| median(&all));
-    let (flow, step_bytes) = (&model.flow, step_bytes(&model.flow));
+    let flow = flow(&model)?;
+    let step_bytes = step_bytes(flow);
     let (nonzeros, matrix_bytes) = (
         flow.pattern.nonzeros(),
         flow.pattern.bytes() + 8 * flow.conductance.len(),

@@ -148,25 +148,30 @@ pub fn rough_pressure(points: usize) -> Vec<f64> {
         .collect()
 }
 
+/// The flow part of a model.
+pub fn flow<const D: usize>(model: &Model<D>) -> Result<&FlowModel<D>> {
+    model.flow.as_ref().context("the plan names flow")
+}
+
+/// Fills the flow matrix anew.
+pub fn refill<const D: usize>(model: &mut Model<D>) {
+    model.flow.iter_mut().for_each(FlowModel::refill);
+}
+
 /// Forward Euler steps at nine tenths of the stability limit.
-pub struct Marcher {
-    scheme: ForwardEuler,
+pub struct Marcher<const D: usize> {
+    scheme: ForwardEuler<D>,
     dt: f64,
     old: State,
     trial: State,
 }
 
-impl Marcher {
+impl<const D: usize> Marcher<D> {
     /// Starts from the model's initial state.
-    pub fn new<const D: usize>(model: &Model<D>) -> Result<Self> {
-        let scheme = ForwardEuler::new(model);
-        let limit = Scheme::<D>::limit(&scheme)
-            .context("forward Euler has a limit")?
-            .dt;
-        let old = State {
-            time: 0.0,
-            pressure: model.flow.initial.clone(),
-        };
+    pub fn new(model: &Model<D>) -> Result<Self> {
+        let scheme = ForwardEuler::new(model)?;
+        let limit = scheme.limit().context("forward Euler has a limit")?.dt;
+        let old = State::initial(model);
         Ok(Marcher {
             scheme,
             dt: 0.9 * limit,
@@ -176,7 +181,7 @@ impl Marcher {
     }
 
     /// One step.
-    pub fn step<const D: usize>(&mut self, model: &Model<D>) -> Result<()> {
+    pub fn step(&mut self, model: &Model<D>) -> Result<()> {
         self.scheme
             .step(model, &self.old, self.dt, &mut self.trial)?;
         std::mem::swap(&mut self.old, &mut self.trial);

@@ -20,7 +20,7 @@ const STALE_RANGE: usize = 4;
 pub(crate) const BACKEND: Backend = Backend {
     name: NAME,
     summary: "chooses a backend from the size, the stencil and the dimension",
-    symmetries: &[Symmetry::PositiveDefinite],
+    symmetries: &[Symmetry::PositiveDefinite, Symmetry::QuasiDefinite],
     options: &[],
     build,
 };
@@ -37,20 +37,37 @@ pub struct Choice {
 /// Chooses a backend for a problem.
 ///
 /// # Errors
-/// [`SolveError::Refused`] for systems that are not positive definite.
+/// [`SolveError::Refused`] for indefinite and general systems.
 pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
-    if problem.symmetry != Symmetry::PositiveDefinite {
-        return Err(SolveError::Refused {
-            solver: NAME,
-            symmetry: problem.symmetry,
-            advice: "no backend solves it; split it into positive definite systems (staggered)"
-                .into(),
-        });
-    }
+    let (unknowns, width) = (problem.unknowns(), problem.entries_per_row());
     let dimension = problem
         .coordinates
         .map_or(2, |coordinates| coordinates.dimension);
-    choose_by_size(problem.unknowns(), problem.entries_per_row(), dimension)
+    match problem.symmetry {
+        Symmetry::PositiveDefinite => choose_by_size(unknowns, width, dimension),
+        Symmetry::QuasiDefinite => choose_quasi_definite(unknowns, width),
+        symmetry @ (Symmetry::Indefinite | Symmetry::General) => Err(SolveError::Refused {
+            solver: NAME,
+            symmetry,
+            advice: "no backend solves it; write it as a quasi-definite system or split it into \
+                     positive definite ones (staggered)"
+                .into(),
+        }),
+    }
+}
+
+/// Chooses a backend for a quasi-definite system of which only the size is known.
+///
+/// # Errors
+/// None in practice: the specification chosen is valid.
+pub fn choose_quasi_definite(unknowns: usize, width: f64) -> Result<Choice, SolveError> {
+    let spec = "faer-ldlt"
+        .parse()
+        .map_err(|error: SpecError| invalid(&error))?;
+    let reason = format!(
+        "{unknowns} unknowns with {width:.0} entries a row, quasi-definite: LDLT needs no pivoting"
+    );
+    Ok(Choice { spec, reason })
 }
 
 /// Chooses a backend for a positive definite system of which only the size is known.
@@ -213,13 +230,24 @@ mod tests {
     }
 
     #[test]
+    fn a_quasi_definite_system_gets_a_factor_with_diagonal_pivots() {
+        let a = grid_laplacian(4, 4, 0.0);
+        let problem = Problem {
+            symmetry: Symmetry::QuasiDefinite,
+            ..positive_definite(&a, None, 1)
+        };
+        let choice = choose(&problem).unwrap();
+        assert_eq!(choice.spec.to_string(), "faer-ldlt");
+        assert_eq!(
+            choice.reason,
+            "16 unknowns with 4 entries a row, quasi-definite: LDLT needs no pivoting"
+        );
+    }
+
+    #[test]
     fn other_symmetries_are_refused_with_advice() {
         let a = grid_laplacian(4, 4, 0.0);
-        for symmetry in [
-            Symmetry::QuasiDefinite,
-            Symmetry::Indefinite,
-            Symmetry::General,
-        ] {
+        for symmetry in [Symmetry::Indefinite, Symmetry::General] {
             let problem = Problem {
                 symmetry,
                 ..positive_definite(&a, None, 1)

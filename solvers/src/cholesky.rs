@@ -1,32 +1,48 @@
-//! Sparse Cholesky factor L Lᵀ = P A Pᵀ: symbolic once, numeric into kept buffers.
+//! Sparse Cholesky factors L Lᵀ or L D Lᵀ = P A Pᵀ: symbolic once, numeric into kept buffers.
+//!
+//! L D Lᵀ without pivoting exists for every ordering of a symmetric quasi-definite matrix
+//! (Vanderbei 1995, SIAM J. Optim. 5, 100). Nothing is added to small pivots.
 //!
 //! All work runs on one thread, so the bits of a factor do not depend on the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, MatMut, Par, Side};
 
 use crate::matrix::Rows;
-use crate::ordering::{Permutation, nested_dissection};
+use crate::ordering::{Permutation, PointGraph, PointOrder, dissect, is_slender, sweep};
 use crate::problem::Problem;
 use crate::{CsrView, FactorPrediction, SolveError};
 
-/// Which fill-reducing ordering a factor uses.
+/// Which ordering a factor uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ordering {
-    /// Nested dissection if the problem has coordinates, else minimum degree.
+    /// With coordinates nested dissection, or a sweep where the cloud is slender and the sweep
+    /// takes fewer operations; else minimum degree.
     Automatic,
     /// Geometric nested dissection.
     NestedDissection,
+    /// Point after point along the longest axis.
+    Sweep,
     /// Approximate minimum degree.
     MinimumDegree,
+}
+
+/// Which factor is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// L Lᵀ of a positive definite matrix.
+    Llt,
+    /// L D Lᵀ of a quasi-definite matrix, without pivoting.
+    Ldlt,
 }
 
 /// Size of the Cholesky factor of a problem, from its pattern alone. The ordering is the one
@@ -41,6 +57,7 @@ pub fn predict(problem: &Problem<'_>) -> Result<FactorPrediction, SolveError> {
 
 /// A Cholesky factor with all the memory it needs.
 pub(crate) struct CholeskyFactor {
+    kind: Kind,
     symbolic: SymbolicCholesky<u32>,
     prediction: FactorPrediction,
     /// One column, so that its alignment and with it every bit is always the same.
@@ -51,7 +68,11 @@ pub(crate) struct CholeskyFactor {
 
 impl CholeskyFactor {
     /// Ordering and symbolic factorisation; allocates all memory but the values.
-    pub(crate) fn analyse(problem: &Problem<'_>, ordering: Ordering) -> Result<Self, SolveError> {
+    pub(crate) fn analyse(
+        problem: &Problem<'_>,
+        kind: Kind,
+        ordering: Ordering,
+    ) -> Result<Self, SolveError> {
         let symbolic = symbolic(problem, ordering)?;
         let allocate = |request: StackReq| {
             MemBuffer::try_new(request).map_err(|_| SolveError::TooLarge {
@@ -59,10 +80,14 @@ impl CholeskyFactor {
                 reason: "out of memory".into(),
             })
         };
-        let factor_request =
-            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let (par, standard) = (Par::Seq, Default::default());
+        let factor_request = match kind {
+            Kind::Llt => symbolic.factorize_numeric_llt_scratch::<f64>(par, standard),
+            Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Default::default()),
+        };
         let solve_request = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         Ok(Self {
+            kind,
             prediction: prediction(&symbolic),
             values: Mat::new(),
             factor_memory: allocate(factor_request)?,
@@ -84,24 +109,46 @@ impl CholeskyFactor {
         }
         let rows = Rows::new(&matrix);
         let view = SparseColMatRef::new(pattern_of(&matrix), rows.values());
-        let outcome = self.symbolic.factorize_numeric_llt(
-            self.values.col_as_slice_mut(0),
-            view,
-            Side::Lower,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut self.factor_memory),
-            Default::default(),
-        );
-        match outcome {
-            Ok(_) => Ok(()),
-            Err(LltError::NonPositivePivot { index }) => {
-                let row = self.original_row(index);
-                Err(SolveError::NotPositiveDefinite {
-                    row,
-                    diagonal: rows.get(row, row),
-                })
-            }
+        let (values, side) = (self.values.col_as_slice_mut(0), Side::Lower);
+        let memory = MemStack::new(&mut self.factor_memory);
+        let (par, standard) = (Par::Seq, Default::default());
+        let failure = match self.kind {
+            Kind::Llt => self
+                .symbolic
+                .factorize_numeric_llt(
+                    values,
+                    view,
+                    side,
+                    standard,
+                    par,
+                    memory,
+                    Default::default(),
+                )
+                .err()
+                .map(|LltError::NonPositivePivot { index }| index),
+            Kind::Ldlt => self
+                .symbolic
+                .factorize_numeric_ldlt(
+                    values,
+                    view,
+                    side,
+                    Default::default(),
+                    par,
+                    memory,
+                    Default::default(),
+                )
+                .err()
+                .map(|LdltError::ZeroPivot { index }| index),
+        };
+        failure.map_or(Ok(()), |index| Err(self.pivot_error(rows, index)))
+    }
+
+    fn pivot_error(&self, rows: Rows<'_>, index: usize) -> SolveError {
+        let row = self.original_row(index);
+        let diagonal = rows.get(row, row);
+        match self.kind {
+            Kind::Llt => SolveError::NotPositiveDefinite { row, diagonal },
+            Kind::Ldlt => SolveError::ZeroPivot { row, diagonal },
         }
     }
 
@@ -118,13 +165,14 @@ impl CholeskyFactor {
 
     /// Overwrites a right-hand side by the solution.
     pub(crate) fn solve_in_place(&mut self, x: &mut [f64]) {
-        let unknowns = x.len();
-        let factor = LltRef::new(&self.symbolic, self.values.col_as_slice(0));
-        factor.solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(x, unknowns, 1),
-            Par::Seq,
-            MemStack::new(&mut self.solve_memory),
+        let x = MatMut::from_column_major_slice_mut(&mut *x, self.symbolic.nrows(), 1);
+        let memory = MemStack::new(&mut self.solve_memory);
+        substitute(
+            self.kind,
+            &self.symbolic,
+            self.values.col_as_slice(0),
+            x,
+            memory,
         );
     }
 
@@ -136,8 +184,32 @@ impl CholeskyFactor {
 
     /// As [`Self::solve_in_place`], with the memory of the caller.
     pub(crate) fn apply(&self, x: MatMut<'_, f64>, memory: &mut MemStack) {
-        let factor = LltRef::new(&self.symbolic, self.values.col_as_slice(0));
-        factor.solve_in_place_with_conj(Conj::No, x, Par::Seq, memory);
+        substitute(
+            self.kind,
+            &self.symbolic,
+            self.values.col_as_slice(0),
+            x,
+            memory,
+        );
+    }
+}
+
+/// Forward and backward substitution.
+fn substitute(
+    kind: Kind,
+    symbolic: &SymbolicCholesky<u32>,
+    values: &[f64],
+    x: MatMut<'_, f64>,
+    memory: &mut MemStack,
+) {
+    let (conj, par) = (Conj::No, Par::Seq);
+    match kind {
+        Kind::Llt => {
+            LltRef::new(symbolic, values).solve_in_place_with_conj(conj, x, par, memory);
+        }
+        Kind::Ldlt => {
+            LdltRef::new(symbolic, values).solve_in_place_with_conj(conj, x, par, memory);
+        }
     }
 }
 
@@ -152,29 +224,71 @@ fn symbolic(
     problem: &Problem<'_>,
     ordering: Ordering,
 ) -> Result<SymbolicCholesky<u32>, SolveError> {
-    let permutation = match ordering {
-        Ordering::MinimumDegree => None,
-        Ordering::Automatic | Ordering::NestedDissection => nested_dissection(problem),
-    };
-    if permutation.is_none() && ordering == Ordering::NestedDissection {
-        let reason = "nested dissection needs the coordinates of the points; give them or \
-                      choose ordering=amd";
+    let permutation = permutation(problem, ordering)?;
+    symbolic_of(pattern_of(&problem.pattern), permutation.as_ref())
+}
+
+/// The permutation of an ordering; `None` for minimum degree.
+fn permutation(
+    problem: &Problem<'_>,
+    ordering: Ordering,
+) -> Result<Option<Permutation>, SolveError> {
+    if ordering == Ordering::MinimumDegree {
+        return Ok(None);
+    }
+    let Some(coordinates) = problem.coordinates else {
+        if ordering == Ordering::Automatic {
+            return Ok(None);
+        }
+        let reason = "nested dissection and sweep need the coordinates of the points; give them \
+                      or choose ordering=amd";
         return Err(SolveError::InvalidProblem {
             reason: reason.into(),
         });
-    }
-    let order = permutation
-        .as_ref()
-        .map_or(SymmetricOrdering::Amd, |permutation| {
-            let Permutation { forward, inverse } = permutation;
-            SymmetricOrdering::Custom(PermRef::new_checked(forward, inverse, forward.len()))
-        });
+    };
+    let graph = PointGraph::new(problem);
+    let order = match ordering {
+        Ordering::Sweep => sweep(&coordinates, problem.points()),
+        Ordering::Automatic if is_slender(&coordinates) => {
+            let orders = [
+                dissect(&coordinates, &graph),
+                sweep(&coordinates, problem.points()),
+            ];
+            cheapest(orders, &graph)?
+        }
+        _ => dissect(&coordinates, &graph),
+    };
+    Ok(Some(order.of_unknowns(problem)))
+}
+
+/// The order of the points that takes fewer operations; the first of equals.
+fn cheapest(orders: [PointOrder; 2], graph: &PointGraph<'_>) -> Result<PointOrder, SolveError> {
+    let operations = |order: &PointOrder| {
+        let (starts, neighbours) = graph.parts();
+        let points = starts.len() - 1;
+        let pattern =
+            SymbolicSparseColMatRef::new_unsorted_checked(points, points, starts, None, neighbours);
+        symbolic_of(pattern, Some(&order.of_points())).map(|symbolic| prediction(&symbolic).flops)
+    };
+    let (first, second) = (operations(&orders[0])?, operations(&orders[1])?);
+    let [one, other] = orders;
+    Ok(if second < first { other } else { one })
+}
+
+fn symbolic_of(
+    pattern: SymbolicSparseColMatRef<'_, u32>,
+    permutation: Option<&Permutation>,
+) -> Result<SymbolicCholesky<u32>, SolveError> {
+    let order = permutation.map_or(SymmetricOrdering::Amd, |permutation| {
+        let Permutation { forward, inverse } = permutation;
+        SymmetricOrdering::Custom(PermRef::new_checked(forward, inverse, forward.len()))
+    });
     let parameters = CholeskySymbolicParams {
         supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO,
         ..Default::default()
     };
-    factorize_symbolic_cholesky(pattern_of(&problem.pattern), Side::Lower, order, parameters)
-        .map_err(|error| too_large(problem.unknowns(), error))
+    factorize_symbolic_cholesky(pattern, Side::Lower, order, parameters)
+        .map_err(|error| too_large(pattern.nrows(), error))
 }
 
 fn too_large(unknowns: usize, error: FaerError) -> SolveError {
@@ -222,54 +336,4 @@ fn prediction(symbolic: &SymbolicCholesky<u32>) -> FactorPrediction {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::test_support::{grid_laplacian, jittered_grid, positive_definite, wide_stencil};
-
-    fn fill(problem: &Problem<'_>, ordering: Ordering) -> u64 {
-        prediction(&symbolic(problem, ordering).unwrap()).nonzeros
-    }
-
-    #[test]
-    fn nested_dissection_fills_at_most_a_tenth_more_than_minimum_degree() {
-        for jitter in [0.0, 0.2] {
-            let cloud = jittered_grid(100, 100, jitter);
-            let a = wide_stencil(&cloud, 1, 2.5, 1);
-            let problem = positive_definite(&a, Some(&cloud), 1);
-            let dissected = fill(&problem, Ordering::NestedDissection) as f64;
-            let minimum_degree = fill(&problem, Ordering::MinimumDegree) as f64;
-            assert!(
-                dissected <= 1.1 * minimum_degree,
-                "{dissected} against {minimum_degree}"
-            );
-        }
-    }
-
-    #[test]
-    fn unknowns_of_a_point_fill_like_blocks_of_the_point_factor() {
-        let cloud = jittered_grid(30, 30, 0.2);
-        let (one, three) = (
-            wide_stencil(&cloud, 1, 2.5, 1),
-            wide_stencil(&cloud, 3, 2.5, 1),
-        );
-        let points = fill(
-            &positive_definite(&one, Some(&cloud), 1),
-            Ordering::NestedDissection,
-        );
-        let blocks = fill(
-            &positive_definite(&three, Some(&cloud), 3),
-            Ordering::NestedDissection,
-        );
-        let ratio = blocks as f64 / points as f64;
-        assert!((8.0..10.0).contains(&ratio), "{ratio}");
-    }
-
-    #[test]
-    fn a_tridiagonal_matrix_without_reordering_gain_has_no_fill() {
-        let a = grid_laplacian(300, 1, 0.0);
-        let size = predict(&positive_definite(&a, None, 1)).unwrap();
-        assert_eq!(size.nonzeros, 2 * 300 - 1);
-        assert!((size.flops - (299.0 * 4.0 + 1.0)).abs() < 0.5);
-        assert_eq!(size.bytes, 12 * 599);
-    }
-}
+mod tests;

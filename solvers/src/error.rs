@@ -90,6 +90,18 @@ pub enum SolveError {
         /// Diagonal entry of the matrix in this row.
         diagonal: f64,
     },
+    /// A pivot of an L D Lᵀ factorisation is zero or not finite.
+    #[error(
+        "the factorisation has a zero or infinite pivot at row {row} (its diagonal entry is \
+         {diagonal:e}), so the matrix is singular or not quasi-definite; prescribe enough values, \
+         and give every unknown of the negative block a storage or coupling term"
+    )]
+    ZeroPivot {
+        /// Row where the factorisation stopped.
+        row: usize,
+        /// Diagonal entry of the matrix in this row.
+        diagonal: f64,
+    },
     /// A direct solution that stays inaccurate after refinement.
     #[error(
         "the direct solution has a relative residual of {residual:e} after {refinements} \

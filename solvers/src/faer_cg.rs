@@ -9,7 +9,7 @@ use faer::matrix_free::conjugate_gradient::{
 };
 use faer::{MatMut, MatRef, Par};
 
-use crate::cholesky::{CholeskyFactor, Ordering};
+use crate::cholesky::{CholeskyFactor, Kind as FactorKind, Ordering};
 use crate::matrix::{check_vector, rounding_floor};
 use crate::preconditioner::{Operator, Preconditioner};
 use crate::problem::{Problem, Symmetry};
@@ -277,7 +277,7 @@ impl LinearSolver for FaerCg {
         self.memory = None;
         self.system.analyse(problem, BACKEND.symmetries)?;
         if self.kind == Kind::Stale {
-            let factor = CholeskyFactor::analyse(problem, Ordering::Automatic)?;
+            let factor = CholeskyFactor::analyse(problem, FactorKind::Llt, Ordering::Automatic)?;
             self.counters.factor_nonzeros = factor.prediction().nonzeros;
             self.counters.factor_bytes = factor.prediction().bytes;
             self.factor = Some(factor);

@@ -17,8 +17,10 @@
 
 mod auto;
 mod cholesky;
+mod direct;
 mod error;
 mod faer_cg;
+mod faer_ldlt;
 mod faer_llt;
 mod matrix;
 mod ordering;
@@ -31,7 +33,7 @@ mod system;
 #[cfg(test)]
 mod test_support;
 
-pub use auto::{Choice, choose, choose_by_size};
+pub use auto::{Choice, choose, choose_by_size, choose_quasi_definite};
 pub use cholesky::predict;
 pub use error::{SolveError, SpecError};
 pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
@@ -61,7 +63,7 @@ pub trait LinearSolver: Send {
     ///
     /// # Errors
     /// [`SolveError::NotAnalysed`], [`SolveError::PatternChanged`], [`SolveError::NotFinite`],
-    /// [`SolveError::Singular`], [`SolveError::NotPositiveDefinite`].
+    /// [`SolveError::Singular`], [`SolveError::NotPositiveDefinite`], [`SolveError::ZeroPivot`].
     fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError>;
 
     /// Solves `matrix · x = rhs`. `matrix` must be the one last given to `refresh`.

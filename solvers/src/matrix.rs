@@ -243,18 +243,31 @@ impl Fingerprint {
 
 /// FNV-1a over blocks of indices, then over the hashes of the blocks.
 fn hash_indices(indices: &[u32]) -> u64 {
-    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+    let blocks: Vec<u64> = indices.par_chunks(1 << 16).map(hash_block).collect();
+    blocks
+        .iter()
+        .fold(FNV_OFFSET, |hash, block| mix(hash, *block))
+}
+
+const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+
+fn mix(hash: u64, value: u64) -> u64 {
     const PRIME: u64 = 0x0100_0000_01b3;
-    let mix = |hash: u64, value: u64| (hash ^ value).wrapping_mul(PRIME);
-    let blocks: Vec<u64> = indices
-        .par_chunks(1 << 16)
-        .map(|block| {
-            block
-                .iter()
-                .fold(OFFSET, |hash, index| mix(hash, u64::from(*index)))
-        })
-        .collect();
-    blocks.iter().fold(OFFSET, |hash, block| mix(hash, *block))
+    (hash ^ value).wrapping_mul(PRIME)
+}
+
+/// Four independent hashes hide the latency of the products.
+fn hash_block(block: &[u32]) -> u64 {
+    let mut lanes = [FNV_OFFSET; 4];
+    let quads = block.chunks_exact(4);
+    let tail = quads.remainder();
+    for quad in quads {
+        for (lane, index) in lanes.iter_mut().zip(quad) {
+            *lane = mix(*lane, u64::from(*index));
+        }
+    }
+    let tail = tail.iter().map(|index| u64::from(*index));
+    lanes.into_iter().chain(tail).fold(FNV_OFFSET, mix)
 }
 
 #[cfg(test)]

@@ -4,14 +4,21 @@
 //! the points of one side that touch the other become the separator, and both rests are cut
 //! again. The unknowns of the separator are eliminated last, so the two rests fill separately
 //! (George 1973, SIAM J. Numer. Anal. 10, 345). It works on points, not on unknowns.
+//!
+//! Sweep along the longest axis: a band as wide as the reach of the rows. It fills less where a
+//! cloud is hardly wider than that reach.
 
 use std::borrow::Cow;
 
 use crate::matrix::Rows;
-use crate::problem::{Coordinates, Problem};
+use crate::problem::{Coordinates, Problem, Symmetry};
 
 /// Sets of at most this many points are not cut further.
 const LEAF_POINTS: usize = 64;
+/// Points of a sweep whose unknowns of one kind stay together.
+const SWEEP_POINTS: usize = 16;
+/// Length over width from which a sweep may pay.
+const SLENDER: f64 = 2.0;
 
 /// A permutation of the unknowns with its inverse.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,16 +30,48 @@ pub struct Permutation {
 }
 
 impl Permutation {
-    /// Expands an order of points to their unknowns, which stay together.
-    fn of_unknowns(point_order: &[u32], unknowns_per_point: usize) -> Self {
-        let per_point = unknowns_per_point as u32;
-        let unknowns = |point: &u32| point * per_point..(point + 1) * per_point;
-        let forward: Vec<u32> = point_order.iter().flat_map(unknowns).collect();
+    fn new(forward: Vec<u32>) -> Self {
         let mut inverse = vec![0; forward.len()];
         for (new, old) in forward.iter().enumerate() {
             inverse[*old as usize] = new as u32;
         }
         Self { forward, inverse }
+    }
+}
+
+/// An order of points in consecutive groups that are eliminated together.
+#[derive(Debug, Default)]
+pub(crate) struct PointOrder {
+    points: Vec<u32>,
+    /// Number of points of each group.
+    groups: Vec<usize>,
+}
+
+impl PointOrder {
+    pub(crate) fn of_points(&self) -> Permutation {
+        Permutation::new(self.points.clone())
+    }
+
+    /// The order of the unknowns. The unknowns of a point stay together in a positive definite
+    /// problem. In a quasi-definite one a group lists the first unknowns of its points, then the
+    /// second ones and so on: a last unknown with a tiny diagonal entry (a pressure without
+    /// storage) gets a large pivot only after its neighbours of the other block.
+    pub(crate) fn of_unknowns(&self, problem: &Problem<'_>) -> Permutation {
+        let per_point = problem.unknowns_per_point as u32;
+        if problem.symmetry != Symmetry::QuasiDefinite {
+            let unknowns = |point: &u32| point * per_point..(point + 1) * per_point;
+            return Permutation::new(self.points.iter().flat_map(unknowns).collect());
+        }
+        let mut forward = Vec::with_capacity(problem.unknowns());
+        let mut rest = self.points.as_slice();
+        for size in &self.groups {
+            let (group, after) = rest.split_at(*size);
+            for kind in 0..per_point {
+                forward.extend(group.iter().map(|point| point * per_point + kind));
+            }
+            rest = after;
+        }
+        Permutation::new(forward)
     }
 }
 
@@ -43,25 +82,73 @@ impl Permutation {
 pub fn nested_dissection(problem: &Problem<'_>) -> Option<Permutation> {
     let coordinates = problem.coordinates?;
     let graph = PointGraph::new(problem);
-    let points = problem.points();
+    Some(dissect(&coordinates, &graph).of_unknowns(problem))
+}
+
+/// Nested dissection of the points. A group is a separator or a set not cut further.
+pub(crate) fn dissect(coordinates: &Coordinates<'_>, graph: &PointGraph<'_>) -> PointOrder {
+    let count = graph.starts.len() - 1;
     let mut dissection = Dissection {
-        coordinates,
-        graph: &graph,
-        side: vec![Side::Out; points],
+        coordinates: *coordinates,
+        graph,
+        side: vec![Side::Out; count],
+        groups: Vec::new(),
     };
-    let mut order: Vec<u32> = (0..points as u32).collect();
-    dissection.order(&mut order);
-    Some(Permutation::of_unknowns(&order, problem.unknowns_per_point))
+    let mut points: Vec<u32> = (0..count as u32).collect();
+    dissection.order(&mut points);
+    PointOrder {
+        points,
+        groups: dissection.groups,
+    }
+}
+
+/// Points sorted along the longest axis, ties by the other axes and the index.
+pub(crate) fn sweep(coordinates: &Coordinates<'_>, count: usize) -> PointOrder {
+    let mut axes: Vec<usize> = (0..coordinates.dimension).collect();
+    let extents = extents(coordinates);
+    axes.sort_by(|a, b| extents[*b].total_cmp(&extents[*a]));
+    let compare = |a: &u32, b: &u32| {
+        let along = |axis: &usize| {
+            let key = |point| coordinates.along(*axis, point);
+            key(*a).total_cmp(&key(*b))
+        };
+        let differing = axes.iter().map(along).find(|order| order.is_ne());
+        differing.unwrap_or_else(|| a.cmp(b))
+    };
+    let mut points: Vec<u32> = (0..count as u32).collect();
+    points.sort_unstable_by(compare);
+    let groups = points.chunks(SWEEP_POINTS).map(<[u32]>::len).collect();
+    PointOrder { points, groups }
+}
+
+/// Whether a cloud of at least two dimensions is much longer along one axis than along the others.
+pub(crate) fn is_slender(coordinates: &Coordinates<'_>) -> bool {
+    let mut extents = extents(coordinates);
+    extents.sort_by(|a, b| b.total_cmp(a));
+    extents.len() > 1 && extents[0] >= SLENDER * extents[1]
+}
+
+/// Difference of the largest and smallest coordinate along each axis; negative without points.
+fn extents(coordinates: &Coordinates<'_>) -> Vec<f64> {
+    let extent = |axis: usize| {
+        let values = coordinates.values.iter().skip(axis);
+        let values = values.step_by(coordinates.dimension);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(*value), high.max(*value))
+        });
+        high - low
+    };
+    (0..coordinates.dimension).map(extent).collect()
 }
 
 /// Adjacency of the points in compressed rows; borrowed where unknowns are points.
-struct PointGraph<'a> {
+pub(crate) struct PointGraph<'a> {
     starts: Cow<'a, [u32]>,
     neighbours: Cow<'a, [u32]>,
 }
 
 impl<'a> PointGraph<'a> {
-    fn new(problem: &'a Problem<'_>) -> Self {
+    pub(crate) fn new(problem: &'a Problem<'_>) -> Self {
         let rows = Rows::new(&problem.pattern);
         if problem.unknowns_per_point == 1 {
             let (starts, neighbours) = (rows.starts().into(), rows.columns().into());
@@ -92,6 +179,11 @@ impl<'a> PointGraph<'a> {
         }
     }
 
+    /// Starts of the rows and the neighbours in them, not sorted.
+    pub(crate) fn parts(&self) -> (&[u32], &[u32]) {
+        (&self.starts, &self.neighbours)
+    }
+
     fn neighbours(&self, point: u32) -> &[u32] {
         let point = point as usize;
         &self.neighbours[self.starts[point] as usize..self.starts[point + 1] as usize]
@@ -117,6 +209,7 @@ struct Dissection<'a> {
     coordinates: Coordinates<'a>,
     graph: &'a PointGraph<'a>,
     side: Vec<Side>,
+    groups: Vec<usize>,
 }
 
 impl Dissection<'_> {
@@ -124,9 +217,11 @@ impl Dissection<'_> {
     fn order(&mut self, points: &mut [u32]) {
         if points.len() <= LEAF_POINTS {
             points.sort_unstable();
+            self.groups.push(points.len());
             return;
         }
         let Some(cut) = self.best_cut(points) else {
+            self.groups.push(points.len());
             return;
         };
         self.split(points, cut.axis);
@@ -155,6 +250,7 @@ impl Dissection<'_> {
         drop((rests, separator));
         self.order(low);
         self.order(high);
+        self.groups.push(last.len());
     }
 
     /// The axis and side with the fewest separator points; the first of equals.
@@ -213,102 +309,6 @@ impl Dissection<'_> {
         }
     }
 }
+
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-    use crate::test_support::{Cloud, jittered_grid, positive_definite, wide_stencil};
-
-    fn is_permutation(order: &Permutation, unknowns: usize) -> bool {
-        order.forward.len() == unknowns
-            && order.inverse.len() == unknowns
-            && (0..unknowns).all(|old| order.forward[order.inverse[old] as usize] == old as u32)
-    }
-
-    fn dissect(cloud: &Cloud, per_point: usize, horizon: f64) -> Permutation {
-        let a = wide_stencil(cloud, per_point, horizon, 5);
-        nested_dissection(&positive_definite(&a, Some(cloud), per_point)).unwrap()
-    }
-
-    /// Clouds on a coarse lattice, so that many points coincide or lie on a line.
-    fn clouds() -> impl Strategy<Value = Cloud> {
-        (1_usize..=3).prop_flat_map(|dimension| {
-            let points = proptest::collection::vec(-3_i8..=3, dimension * 150..dimension * 300);
-            points.prop_map(move |mut values| {
-                values.truncate(values.len() / dimension * dimension);
-                let coordinates = values.into_iter().map(f64::from).collect();
-                Cloud {
-                    dimension,
-                    coordinates,
-                }
-            })
-        })
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(48))]
-
-        #[test]
-        fn random_clouds_with_coincident_points_give_permutations(
-            cloud in clouds(), horizon in 0.0_f64..3.0, per_point in 1_usize..=3,
-        ) {
-            let order = dissect(&cloud, per_point, horizon);
-            prop_assert!(is_permutation(&order, cloud.points() * per_point));
-        }
-    }
-
-    #[test]
-    fn lines_and_single_places_are_ordered() {
-        let line = Cloud {
-            dimension: 2,
-            coordinates: (0..400).map(|i| (i % 2) as f64).collect(),
-        };
-        assert!(is_permutation(&dissect(&line, 1, 0.5), 200));
-        let heap = Cloud {
-            dimension: 3,
-            coordinates: vec![0.0; 600],
-        };
-        assert!(is_permutation(&dissect(&heap, 2, 0.5), 400));
-        let empty = Cloud {
-            dimension: 2,
-            coordinates: Vec::new(),
-        };
-        assert!(is_permutation(&dissect(&empty, 1, 0.5), 0));
-    }
-
-    #[test]
-    fn unknowns_of_a_point_stay_together_in_the_order_of_points() {
-        let cloud = jittered_grid(20, 15, 0.3);
-        let (points, unknowns) = (dissect(&cloud, 1, 2.3), dissect(&cloud, 3, 2.3));
-        for (new, block) in unknowns.forward.chunks_exact(3).enumerate() {
-            let first = 3 * points.forward[new];
-            assert_eq!(block, [first, first + 1, first + 2]);
-        }
-    }
-
-    #[test]
-    fn the_last_points_separate_the_two_halves() {
-        let cloud = jittered_grid(40, 10, 0.0);
-        let a = wide_stencil(&cloud, 1, 1.5, 5);
-        let order = dissect(&cloud, 1, 1.5);
-        let (rest, separator) = order.forward.split_at(390);
-        let column = |point: &u32| point % 40;
-        assert!(
-            separator
-                .iter()
-                .all(|point| column(point) == column(&separator[0]))
-        );
-        let cut = column(&separator[0]);
-        for (i, j) in rest.iter().flat_map(|i| rest.iter().map(move |j| (i, j))) {
-            let apart = (column(i) < cut) != (column(j) < cut);
-            assert!(!apart || a.get(*i as usize, *j as usize).is_none());
-        }
-    }
-
-    #[test]
-    fn there_is_no_dissection_without_coordinates() {
-        let a = wide_stencil(&jittered_grid(5, 5, 0.0), 1, 1.5, 5);
-        assert!(nested_dissection(&positive_definite(&a, None, 1)).is_none());
-    }
-}
+mod tests;

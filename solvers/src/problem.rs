@@ -11,6 +11,8 @@ pub enum Symmetry {
     /// Symmetric positive definite.
     PositiveDefinite,
     /// Symmetric, positive definite in one block of unknowns and negative definite in the other.
+    /// Number the unknowns of the negative block last at each point: geometric orderings then
+    /// eliminate them after their neighbours of the positive block, which keeps pivots large.
     QuasiDefinite,
     /// Symmetric with eigenvalues of both signs.
     Indefinite,

@@ -1,10 +1,15 @@
 //! The table of backends and the options they accept.
 
 use crate::problem::Symmetry;
-use crate::{LinearSolver, SpecError, auto, faer_cg, faer_llt};
+use crate::{LinearSolver, SpecError, auto, faer_cg, faer_ldlt, faer_llt};
 
 /// Every backend that can be chosen by name.
-pub const BACKENDS: &[Backend] = &[auto::BACKEND, faer_llt::BACKEND, faer_cg::BACKEND];
+pub const BACKENDS: &[Backend] = &[
+    auto::BACKEND,
+    faer_llt::BACKEND,
+    faer_ldlt::BACKEND,
+    faer_cg::BACKEND,
+];
 
 /// A solver that can be chosen by name.
 #[derive(Debug, Clone, Copy)]

@@ -153,7 +153,10 @@ mod tests {
     fn mistakes_name_the_remedy() {
         let unknown = error("fear-llt").to_string();
         assert!(unknown.contains("did you mean `faer-llt`?"), "{unknown}");
-        assert!(unknown.contains("auto, faer-llt, faer-cg"), "{unknown}");
+        assert!(
+            unknown.contains("auto, faer-llt, faer-ldlt, faer-cg"),
+            "{unknown}"
+        );
         let option = error("faer-cg:tolerence=1").to_string();
         assert!(option.contains("did you mean `tolerance`?"), "{option}");
         let value = error("faer-cg:preconditioner=stael").to_string();

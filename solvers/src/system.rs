@@ -184,9 +184,10 @@ mod tests {
     use crate::test_support::*;
     use crate::{CsrMatrix, LinearSolver, SolverSpec};
 
-    const ALL: [&str; 4] = [
+    const ALL: [&str; 5] = [
         "auto",
         "faer-llt",
+        "faer-ldlt",
         "faer-cg",
         "faer-cg:preconditioner=stale",
     ];

@@ -7,12 +7,14 @@
 //! functions, so G + C stays exact for them.
 //!
 //! Column sums are taken in the cloud continued across its planes, each component with the parity
-//! of its own linear function (odd across planes normal to it, even across the others). The
-//! correction is then a property of the geometry alone and serves every field, whatever its own
-//! boundary conditions; boundary terms of a field's parity stay what they are on a lattice.
+//! of its own linear function: odd across planes normal to it, even across the others. For flow the
+//! correction is then a property of the geometry alone; boundary terms of a field's parity stay what
+//! they are on a lattice. For a displacement the normal derivative of each component takes that
+//! component's parity, which is odd across clamped planes too.
 
 use std::sync::Arc;
 
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use perifrac_solvers::{
     Coordinates, CsrView, Problem, SolveError, SolverSpec, SpecError, Symmetry, multiply,
 };
@@ -55,14 +57,55 @@ pub enum ConsistencyError {
     Pattern(#[from] PatternError),
 }
 
-/// Corrects the plain gradient of `around`; `one_sided[side]` tells where its families see no
-/// images.
+/// What the planes of a cloud do to the field whose gradient is corrected.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Planes {
+    /// Sides beyond which families see no images.
+    pub one_sided: Vec<bool>,
+    /// Sides across which every component is odd.
+    pub clamped: Vec<bool>,
+}
+
+impl Planes {
+    /// Planes without clamped sides.
+    pub fn natural(one_sided: &[bool]) -> Self {
+        Planes {
+            one_sided: one_sided.to_vec(),
+            clamped: vec![false; one_sided.len()],
+        }
+    }
+
+    /// Planes of a vector field whose components have the given continuations.
+    pub fn of<const D: usize>(components: &[Extension<D>]) -> Self {
+        let all = |wanted: Parity| {
+            let has = |side: Side| components.iter().all(|own| own.parity(side) == wanted);
+            Side::all(D).map(has).collect()
+        };
+        Planes {
+            one_sided: all(Parity::OneSided),
+            clamped: all(Parity::Odd),
+        }
+    }
+
+    /// Parity of the component along `axis` at a side.
+    fn parity(&self, axis: usize, side: Side) -> Parity {
+        if self.one_sided[side.index()] {
+            return Parity::OneSided;
+        }
+        match side.axis == axis || self.clamped[side.index()] {
+            true => Parity::Odd,
+            false => Parity::Even,
+        }
+    }
+}
+
+/// Corrects the plain gradient of `around`.
 ///
 /// # Errors
 /// [`ConsistencyError`] for a cloud without planes, or if a solve fails.
 pub fn consistent_gradient<const D: usize>(
     around: &Arc<Neighbourhood<D>>,
-    one_sided: &[bool],
+    planes: &Planes,
 ) -> Result<(Gradient<D>, Consistency), ConsistencyError> {
     if !around.cloud.domain.planes {
         return Err(ConsistencyError::NoPlanes);
@@ -70,7 +113,6 @@ pub fn consistent_gradient<const D: usize>(
     let plain = Arc::new(Gradient::plain(around));
     let form = Hourglass::new(around.clone(), plain.clone());
     let pattern = Pattern::new(&form)?;
-    let layer = boundary_layer(around, one_sided);
     let mut corrected = plain.weight.clone();
     let mut quality = Consistency {
         before: 0.0,
@@ -78,7 +120,7 @@ pub fn consistent_gradient<const D: usize>(
         ratio: 0.0,
     };
     for axis in 0..D {
-        let natural = natural_extension(around, axis, one_sided);
+        let natural = natural_extension(around, axis, planes);
         let sign = |_: usize, bond: usize| natural.sign(around.families.image(bond));
         let sums: Vec<f64> = column_sums(
             around,
@@ -88,11 +130,18 @@ pub fn consistent_gradient<const D: usize>(
         .into_iter()
         .map(|sum| sum[axis])
         .collect();
-        let target = targets(around, axis, one_sided, &layer, &sums);
+        let unseen = null_functions(around, axis, planes);
+        // The area of a one-sided plane is normal to it: the other components have no layer there.
+        let normal = |side: &Side| side.axis == axis && planes.one_sided[side.index()];
+        let layer = boundary_layer(around, &Side::all(D).filter(normal).collect::<Vec<Side>>());
+        let target = targets(&unseen, &layer, &sums);
         let rhs: Vec<f64> = target.iter().zip(&sums).map(|(t, s)| t - s).collect();
         quality.before = quality.before.max(relative(around, &rhs));
-        let singular = !null_functions(around, axis, one_sided).is_empty();
-        let shift = if singular { SINGULAR_SHIFT } else { SHIFT };
+        let shift = if unseen.is_empty() {
+            SHIFT
+        } else {
+            SINGULAR_SHIFT
+        };
         let lambda = multipliers(&form, &natural, &pattern, &rhs, shift)?;
         add_correction(around, &natural, &lambda, axis, &mut corrected);
         let after = column_sums(
@@ -111,23 +160,17 @@ pub fn consistent_gradient<const D: usize>(
     Ok((Gradient { weight: corrected }, quality))
 }
 
-/// Continuation natural to the linear function x_axis.
-fn natural_extension<const D: usize>(
+/// Continuation of the component along `axis`.
+pub fn natural_extension<const D: usize>(
     around: &Neighbourhood<D>,
     axis: usize,
-    one_sided: &[bool],
+    planes: &Planes,
 ) -> Extension<D> {
-    let parity: Vec<Parity> = Side::all(D)
-        .map(|side| match (one_sided[side.index()], side.axis == axis) {
-            (true, _) => Parity::OneSided,
-            (false, true) => Parity::Odd,
-            (false, false) => Parity::Even,
-        })
-        .collect();
-    let planes: Vec<f64> = Side::all(D)
+    let parity: Vec<Parity> = Side::all(D).map(|side| planes.parity(axis, side)).collect();
+    let places: Vec<f64> = Side::all(D)
         .map(|side| around.cloud.domain.plane(side))
         .collect();
-    Extension::new(&around.families.images, &parity, &planes)
+    Extension::new(&around.families.images, &parity, &places)
 }
 
 /// Largest entry relative to the face of the point's cell.
@@ -139,17 +182,15 @@ fn relative<const D: usize>(around: &Neighbourhood<D>, sums: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Points whose column sums feel a one-sided plane: those whose own horizon, or that of a point
-/// that sees them, crosses it.
-fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, one_sided: &[bool]) -> Vec<bool> {
+/// Points whose column sums feel one of the `sides`, beyond which there are no images: those whose own
+/// horizon, or that of a point that sees them, crosses it.
+pub fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, sides: &[Side]) -> Vec<bool> {
     let domain = &around.cloud.domain;
     let crosses = |point: usize| {
-        Side::all(D)
-            .filter(|side| one_sided[side.index()])
-            .any(|side| {
-                let gap = (around.cloud.position[point][side.axis] - domain.plane(side)).abs();
-                gap < around.families.horizon[point]
-            })
+        sides.iter().any(|side| {
+            let gap = (around.cloud.position[point][side.axis] - domain.plane(*side)).abs();
+            gap < around.families.horizon[point]
+        })
     };
     let crossing: Vec<bool> = (0..around.len()).map(crosses).collect();
     (0..around.len())
@@ -164,20 +205,13 @@ fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, one_sided: &[bool])
 }
 
 /// Column sums wanted: zero inside, the layer's own at one-sided planes, adjusted so that the
-/// divergence theorem holds for every linear function that the mirrors allow.
-fn targets<const D: usize>(
-    around: &Neighbourhood<D>,
-    axis: usize,
-    one_sided: &[bool],
-    layer: &[bool],
-    sums: &[f64],
-) -> Vec<f64> {
+/// divergence theorem holds for the functions in `basis`, every linear one that the planes allow.
+fn targets(basis: &[Vec<f64>], layer: &[bool], sums: &[f64]) -> Vec<f64> {
     let mut target: Vec<f64> = sums
         .iter()
         .zip(layer)
         .map(|(sum, layer)| if *layer { *sum } else { 0.0 })
         .collect();
-    let basis = null_functions(around, axis, one_sided);
     if basis.is_empty() {
         return target;
     }
@@ -191,8 +225,8 @@ fn targets<const D: usize>(
             .map(|((w, f), g)| w * f * g)
             .sum()
     };
-    let matrix = nalgebra::DMatrix::from_fn(size, size, |a, b| weighted(&basis[a], &basis[b]));
-    let rhs = nalgebra::DVector::from_fn(size, |a, _| {
+    let matrix = DMatrix::from_fn(size, size, |a, b| weighted(&basis[a], &basis[b]));
+    let rhs = DVector::from_fn(size, |a, _| {
         basis[a]
             .iter()
             .zip(sums.iter().zip(&target))
@@ -209,36 +243,56 @@ fn targets<const D: usize>(
     target
 }
 
-/// Values of the linear functions that the hourglass matrix of this component cannot see.
+/// Values of the linear functions that the hourglass matrix of this component cannot see: those that
+/// vanish on odd planes and do not change across even ones.
 fn null_functions<const D: usize>(
     around: &Neighbourhood<D>,
     axis: usize,
-    one_sided: &[bool],
+    planes: &Planes,
 ) -> Vec<Vec<f64>> {
-    let mirrored = |a: usize| -> Vec<Side> {
-        Side::all(D)
-            .filter(|side| side.axis == a && !one_sided[side.index()])
-            .collect()
+    let domain = &around.cloud.domain;
+    let (centre, size) = ((domain.lower + domain.upper) * 0.5, domain.size());
+    // Coefficients of 1 and of the coordinates from the centre, each over half the edge.
+    let mut rules: Vec<Vec<f64>> = Vec::new();
+    let unit = |k: usize| {
+        (0..=D)
+            .map(|i| f64::from(u8::from(i == k)))
+            .collect::<Vec<f64>>()
     };
-    let coordinate = |a: usize, shift: f64| -> Vec<f64> {
+    for side in Side::all(D) {
+        match planes.parity(axis, side) {
+            Parity::OneSided => {}
+            Parity::Even => rules.push(unit(1 + side.axis)),
+            Parity::Odd => {
+                rules.extend((0..D).filter(|&a| a != side.axis).map(|a| unit(1 + a)));
+                let mut on_plane = unit(0);
+                on_plane[1 + side.axis] = side.outward();
+                rules.push(on_plane);
+            }
+        }
+    }
+    let normal = rules
+        .iter()
+        .fold(DMatrix::zeros(D + 1, D + 1), |sum, rule| {
+            let rule = DVector::from_column_slice(rule);
+            sum + &rule * rule.transpose()
+        });
+    let modes = SymmetricEigen::new(normal);
+    let free = (0..=D).filter(|&k| modes.eigenvalues[k] < 1e-10);
+    let value = |x: &Vector<D>, mode: usize| {
+        let coefficient = modes.eigenvectors.column(mode);
+        let along = |a: usize| coefficient[1 + a] * 2.0 * (x[a] - centre[a]) / size[a];
+        coefficient[0] + (0..D).map(along).sum::<f64>()
+    };
+    free.map(|mode| {
         around
             .cloud
             .position
             .iter()
-            .map(|x: &Vector<D>| x[a] - shift)
+            .map(|x| value(x, mode))
             .collect()
-    };
-    match mirrored(axis).as_slice() {
-        [] => {
-            let mut basis = vec![vec![1.0; around.len()]];
-            let centre = (around.cloud.domain.lower + around.cloud.domain.upper) * 0.5;
-            let free = (0..D).filter(|&a| mirrored(a).is_empty());
-            basis.extend(free.map(|a| coordinate(a, centre[a])));
-            basis
-        }
-        [side] => vec![coordinate(axis, around.cloud.domain.plane(*side))],
-        _ => Vec::new(),
-    }
+    })
+    .collect()
 }
 
 /// Shift of the diagonal against rounding errors in the factor, relative to it.

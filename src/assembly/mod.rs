@@ -1,12 +1,16 @@
 //! From local forms to sparse matrices: pattern once, values as often as coefficients change.
 
 mod consistency;
+mod elastic;
 mod force;
 mod operator;
 mod pattern;
 mod scalar;
 
-pub use consistency::{Consistency, ConsistencyError, consistent_gradient};
+pub use consistency::{
+    Consistency, ConsistencyError, Planes, boundary_layer, consistent_gradient, natural_extension,
+};
+pub use elastic::fill_stiffness;
 pub use operator::ScalarOperator;
-pub use pattern::{Pattern, PatternError};
+pub use pattern::{Pattern, PatternError, matrix_bytes, row_of};
 pub use scalar::Refill;

@@ -1,7 +1,9 @@
 //! Sparsity of an assembled operator, built row by row without triplets.
 
+use perifrac_solvers::CsrMatrix;
 use rayon::prelude::*;
 
+use crate::geometry::Families;
 use crate::operators::BondForm;
 
 /// Column indices of every row, sorted, diagonal included; symmetric.
@@ -32,7 +34,19 @@ impl Pattern {
     /// # Errors
     /// [`PatternError`] beyond 2³² nonzeros.
     pub fn new<const D: usize, F: BondForm<D>>(form: &F) -> Result<Self, PatternError> {
-        let rows = form.neighbourhood().len();
+        Self::of_families(&form.neighbourhood().families, |owner| form.couples(owner))
+    }
+
+    /// Pattern of an operator on `families` whose family of `owner` couples all its bonds where
+    /// `couples(owner)`.
+    ///
+    /// # Errors
+    /// [`PatternError`] beyond 2³² nonzeros.
+    pub fn of_families<const D: usize>(
+        families: &Families<D>,
+        couples: impl Fn(usize) -> bool + Sync,
+    ) -> Result<Self, PatternError> {
+        let rows = families.len();
         let chunks: Vec<(Vec<u32>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
             .into_par_iter()
             .map_init(
@@ -41,7 +55,7 @@ impl Pattern {
                     let (mut counts, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
                     for row in chunk * CHUNK..((chunk + 1) * CHUNK).min(rows) {
                         let before = columns.len();
-                        marker.row(form, row, &mut columns);
+                        marker.row(families, &couples, row, &mut columns);
                         columns[before..].sort_unstable();
                         counts.push((columns.len() - before) as u32);
                     }
@@ -66,6 +80,84 @@ impl Pattern {
             pattern.columns.extend_from_slice(&columns);
         }
         Ok(pattern)
+    }
+
+    /// The pattern with `unknowns` per point, all of a point's unknowns coupled to all of another's.
+    ///
+    /// # Errors
+    /// [`PatternError`] beyond 2³² nonzeros.
+    pub fn expanded(&self, unknowns: usize) -> Result<Self, PatternError> {
+        let nonzeros = self.nonzeros() * unknowns * unknowns;
+        if nonzeros > u32::MAX as usize {
+            return Err(PatternError { nonzeros });
+        }
+        let mut expanded = Pattern {
+            offsets: Vec::with_capacity(self.rows() * unknowns + 1),
+            columns: Vec::with_capacity(nonzeros),
+        };
+        expanded.offsets.push(0);
+        for row in 0..self.rows() {
+            for _ in 0..unknowns {
+                for &column in &self.columns[self.row(row)] {
+                    let first = column * unknowns as u32;
+                    expanded.columns.extend(first..first + unknowns as u32);
+                }
+                expanded.offsets.push(expanded.columns.len() as u32);
+            }
+        }
+        Ok(expanded)
+    }
+
+    /// A matrix of this pattern, filled with zeros.
+    pub fn into_matrix(self) -> CsrMatrix {
+        let (rows, nonzeros) = (self.rows(), self.nonzeros());
+        CsrMatrix::new(
+            (rows, rows),
+            self.offsets,
+            self.columns,
+            vec![0.0; nonzeros],
+        )
+    }
+
+    /// Everything that is in this pattern or in `other`, which has as many rows.
+    ///
+    /// # Errors
+    /// [`PatternError`] beyond 2³² nonzeros.
+    pub fn union(&self, other: &Pattern) -> Result<Self, PatternError> {
+        let mut union = Pattern {
+            offsets: vec![0],
+            columns: Vec::with_capacity(self.nonzeros().max(other.nonzeros())),
+        };
+        for row in 0..self.rows() {
+            let before = union.columns.len();
+            union
+                .columns
+                .extend_from_slice(&self.columns[self.row(row)]);
+            union
+                .columns
+                .extend_from_slice(&other.columns[other.row(row)]);
+            union.columns[before..].sort_unstable();
+            let mut end = before;
+            for k in before..union.columns.len() {
+                if end == before || union.columns[k] != union.columns[end - 1] {
+                    union.columns[end] = union.columns[k];
+                    end += 1;
+                }
+            }
+            union.columns.truncate(end);
+            union.offsets.push(end as u32);
+        }
+        match union.nonzeros() {
+            nonzeros if nonzeros > u32::MAX as usize => Err(PatternError { nonzeros }),
+            _ => Ok(union),
+        }
+    }
+
+    /// Place of `column` in the columns and values, if it is in the pattern.
+    pub fn find(&self, row: usize, column: usize) -> Option<usize> {
+        let range = self.row(row);
+        let place = self.columns[range.clone()].binary_search(&(column as u32));
+        place.ok().map(|k| range.start + k)
     }
 
     /// Number of rows.
@@ -96,6 +188,16 @@ impl Pattern {
     }
 }
 
+/// Places of a row's entries in the columns and values of a matrix.
+pub fn row_of(matrix: &CsrMatrix, row: usize) -> std::ops::Range<usize> {
+    matrix.indptr().outer_inds_sz(row)
+}
+
+/// Bytes of a matrix and its pattern.
+pub fn matrix_bytes(matrix: &CsrMatrix) -> usize {
+    12 * matrix.nnz() + 4 * (matrix.rows() + 1)
+}
+
 /// Remembers which columns of the current row have been seen.
 struct Marker {
     seen: Vec<u32>,
@@ -108,20 +210,20 @@ impl Marker {
         }
     }
 
-    fn row<const D: usize, F: BondForm<D>>(
+    fn row<const D: usize>(
         &mut self,
-        form: &F,
+        families: &Families<D>,
+        couples: &(impl Fn(usize) -> bool + Sync),
         row: usize,
         columns: &mut Vec<u32>,
     ) {
-        let families = &form.neighbourhood().families;
         self.mark(row, row, columns);
         for bond in families.family(row) {
             self.mark(row, families.neighbour(bond), columns);
         }
         for (owner, _) in families.dual(row) {
             self.mark(row, owner, columns);
-            if form.couples(owner) {
+            if couples(owner) {
                 for bond in families.family(owner) {
                     self.mark(row, families.neighbour(bond), columns);
                 }

@@ -186,7 +186,11 @@ impl TwoHops {
 }
 
 /// Calls `work(row, its part of data)` for all rows, whose parts start at `offsets`, in parallel.
-fn by_rows<T: Send>(offsets: &[u32], data: &mut [T], work: impl Fn(usize, &mut [T]) + Sync) {
+pub(super) fn by_rows<T: Send>(
+    offsets: &[u32],
+    data: &mut [T],
+    work: impl Fn(usize, &mut [T]) + Sync,
+) {
     let rows = offsets.len() - 1;
     let mut rest = data;
     let mut chunks = Vec::with_capacity(rows.div_ceil(CHUNK));

@@ -45,6 +45,27 @@ pub const CASES: &[Case] = &[
         "a well in a wide aquifer, against the Theis solution"
     ),
     case!(
+        "terzaghi",
+        "consolidation of a loaded column (Sec. 5.2), against Terzaghi's solution"
+    ),
+    case!(
+        "terzaghi-graded",
+        "the same on 2:1 blocks, from 0.025 m to 0.1 m"
+    ),
+    case!(
+        "terzaghi-tensor",
+        "the same on a tensor grid, from 0.025 m to 0.1 m"
+    ),
+    case!("column-3d", "the same in three dimensions"),
+    case!(
+        "mandel",
+        "a strip squeezed between rigid plates: the Mandel-Cryer effect"
+    ),
+    case!(
+        "footing",
+        "a strip footing on a nearly undrained layer: the pressure-oscillation trap"
+    ),
+    case!(
         "manufactured",
         "a smooth solution with its own source, for convergence studies"
     ),

@@ -19,7 +19,7 @@ pub struct SceneArgs {
     /// Override a key: --set time.end="2 s", --set materials.left.permeability=1e8
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
-    /// Time scheme: explicit or implicit
+    /// Time scheme: implicit, explicit, semi-implicit, staggered or monolithic
     #[arg(long, value_name = "SCHEME")]
     pub scheme: Option<String>,
     /// Linear solver: NAME or NAME:key=value,… (see `perifrac solvers`)
@@ -146,8 +146,8 @@ impl Planned {
                 scene
                     .materials
                     .iter()
-                    .find_map(|entry| match &entry.value.permeability.value {
-                        scene::PermeabilityField::File(file) if file.file.value == *path => {
+                    .find_map(|entry| match entry.value.permeability.as_deref() {
+                        Some(scene::PermeabilityField::File(file)) if file.file.value == *path => {
                             Some(file.file.span)
                         }
                         _ => None,

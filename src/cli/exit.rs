@@ -56,11 +56,13 @@ fn run_code(error: &RunError) -> u8 {
     match error {
         RunError::Model(_) => 3,
         RunError::Step { source, .. } => match source {
-            StepError::Solve(_)
-            | StepError::Unstable { .. }
-            | StepError::TooSmall { .. }
-            | StepError::NotFinite { .. } => 4,
-            StepError::Spec(_) | StepError::NoSteadyState { .. } => 3,
+            StepError::Spec(_)
+            | StepError::Pattern(_)
+            | StepError::NoSteadyState { .. }
+            | StepError::Missing { .. }
+            | StepError::Refused { .. }
+            | StepError::LoosePlate => 3,
+            _ => 4,
         },
         RunError::Interrupted { .. } => 130,
         _ => 1,

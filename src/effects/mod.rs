@@ -4,12 +4,14 @@
 
 mod flux;
 mod gravity;
+mod solid;
 mod source;
 mod wells;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use gravity::Column;
+pub use solid::{SolidContext, build_solid, side_areas, tensor};
 pub use source::ManufacturedSource;
 
 use crate::assembly::ScalarOperator;
@@ -33,12 +35,13 @@ pub struct Context<'a, const D: usize> {
     pub column: Option<&'a Column<D>>,
 }
 
-/// A contribution to the rate of volume at the points.
+/// A contribution to the right-hand side of a field: the rate of volume at the points for flow, the
+/// force on the displacement unknowns for mechanics.
 pub trait Effect: Send + Sync {
     /// Name in scenes and reports.
     fn name(&self) -> &'static str;
 
-    /// Adds the rate at `time` to `rate`, shape `(n,)`, unit m^D/s.
+    /// Adds the rate at `time` to `rate`: shape `(n,)` in m^D/s, or `(n·D,)` in N.
     fn add_rate(&self, time: f64, rate: &mut [f64]);
 
     /// Total rate of fluid brought in at `time`, m^D/s; zero for what only moves fluid about.
@@ -92,6 +95,17 @@ pub enum EffectError {
         distance: f64,
         /// Sum of radii, m.
         radii: f64,
+    },
+    /// A load's region touches no point of its side.
+    #[error(
+        "mechanics.loads.{name}: no point lies below its region on side {side}; enlarge the region or \
+         refine the cloud"
+    )]
+    EmptyLoad {
+        /// Name.
+        name: String,
+        /// The side.
+        side: &'static str,
     },
     /// The manufactured solution does not fit the scene.
     #[error("the manufactured source cannot be built: {0}")]

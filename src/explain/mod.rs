@@ -189,11 +189,12 @@ fn scheme(plan: &Plan) -> Reason {
             plan.time.tolerance
         ),
     };
-    match plan.scheme {
-        SchemeChoice::Explicit => reason("explicit forward-euler", steps),
-        SchemeChoice::Implicit(integrator) => {
-            reason(format!("implicit {}", integrator.name()), steps)
-        }
+    match plan.scheme.integrator() {
+        None => reason("explicit forward-euler", steps),
+        Some(integrator) => reason(
+            format!("{} {}", plan.scheme.name(), integrator.name()),
+            steps,
+        ),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::geometry::{GenerateError, GeometryError};
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// No effect is named.
-    #[error("the scene names no effect; add [flow]")]
+    #[error("the scene names no effect; add [flow] or [mechanics]")]
     NothingToDo,
     /// The cloud could not be generated.
     #[error(transparent)]
@@ -46,6 +46,14 @@ pub enum ModelError {
         count: usize,
         /// Position of the first, m.
         position: Vec<f64>,
+    },
+    /// A material lacks what an effect needs.
+    #[error("material \"{material}\" has no {property}, which an effect of the scene needs")]
+    MissingProperty {
+        /// Name of the material.
+        material: String,
+        /// What is missing.
+        property: &'static str,
     },
     /// A point file names a material that the scene does not define.
     #[error("the points file names the material \"{name}\", which the scene does not define")]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use perifrac_solvers::CsrView;
 use rayon::prelude::*;
 
-use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator, consistent_gradient};
+use crate::assembly::{Consistency, Pattern, Planes, Refill, ScalarOperator, consistent_gradient};
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Side, Vector};
@@ -237,6 +237,14 @@ impl<const D: usize> FlowModel<D> {
         self.fixed.iter().map(|fixed| -imbalance[fixed.point]).sum()
     }
 
+    /// Sets the entries of `change` at fixed points to what leads from `base` to their pressure at
+    /// `time`, Pa.
+    pub fn fix(&self, time: f64, base: &[f64], change: &mut [f64]) {
+        for fixed in &self.fixed {
+            change[fixed.point] = self.fixed_loads[fixed.load].at(time) - base[fixed.point];
+        }
+    }
+
     /// Whether all loads are constant in time, so that the rate needs to be evaluated once only.
     pub fn is_constant(&self) -> bool {
         self.breakpoints().is_empty() && self.effects.iter().all(|e| e.effect().is_constant())
@@ -386,6 +394,17 @@ pub fn exchange(pattern: &Pattern, conductance: &[f64], pressure: &[f64], row: u
 /// Share of a family's weights beyond which its correction is not trusted.
 const TRUSTED: f64 = 0.5;
 
+/// A warning if the corrected gradient is not to be trusted.
+pub(super) fn doubt(quality: &Consistency) -> Option<String> {
+    (quality.ratio > TRUSTED).then(|| {
+        format!(
+            "the divergence-consistent correction is {:.0} % of the gradient's own weights \
+             somewhere; enlarge the horizon or smooth the grading",
+            100.0 * quality.ratio
+        )
+    })
+}
+
 fn build_operator<const D: usize>(
     flow: &FlowPlan,
     around: &Arc<Neighbourhood<D>>,
@@ -408,14 +427,8 @@ fn build_operator<const D: usize>(
     let correct = flow.corrects_gradient(around.cloud.irregular, around.cloud.domain.planes);
     let mut corrected = None;
     if correct {
-        let (gradient, quality) = consistent_gradient(around, one_sided)?;
-        if quality.ratio > TRUSTED {
-            warnings.push(format!(
-                "the divergence-consistent correction is {:.0} % of the gradient's own weights \
-                 somewhere; enlarge the horizon or smooth the grading",
-                100.0 * quality.ratio
-            ));
-        }
+        let (gradient, quality) = consistent_gradient(around, &Planes::natural(one_sided))?;
+        warnings.extend(doubt(&quality));
         *consistency = Some(quality);
         corrected = Some(gradient);
     }

@@ -1,33 +1,41 @@
 //! The model: a plan made concrete on a cloud. Pattern once, values as often as needed.
 
 mod cloud;
+mod coupling;
 mod error;
 mod flow;
 mod properties;
 mod sample;
+mod solid;
 
 use std::sync::Arc;
 
 pub use cloud::{build_cloud, build_families};
+pub use coupling::Coupling;
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
 pub use sample::{Sample, sample};
+pub use solid::{Drive, MovingWall, SolidModel};
 
-use crate::geometry::{Cloud, Vector};
+use crate::geometry::{Cloud, Families, Vector};
 use crate::plan::{Plan, manufactured};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
 
-/// Everything a scheme needs.
+/// Everything a scheme needs. A part that the plan does not name is absent.
 pub struct Model<const D: usize> {
     /// The points.
     pub cloud: Arc<Cloud<D>>,
     /// Index into the plan's materials per point, shape `(n,)`.
     pub material: Vec<u16>,
-    /// Permeability per point, m², shape `(n,)`.
+    /// Permeability per point, m², shape `(n,)`; empty without flow.
     pub permeability: Vec<f64>,
     /// The flow problem.
-    pub flow: FlowModel<D>,
+    pub flow: Option<FlowModel<D>>,
+    /// The mechanical problem.
+    pub solid: Option<SolidModel<D>>,
+    /// What couples the two.
+    pub coupling: Option<Coupling>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -38,28 +46,95 @@ impl<const D: usize> Model<D> {
     /// # Errors
     /// [`ModelError`], which says what in the plan does not fit.
     pub fn build(plan: &Plan, timers: &mut Timers) -> Result<Self, ModelError> {
-        let Some(flow) = &plan.flow else {
+        if plan.flow.is_none() && plan.mechanics.is_none() {
             return Err(ModelError::NothingToDo);
-        };
+        }
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         let cloud = Arc::new(cloud);
         let families = timers.time("families", || build_families(plan, &cloud))?;
         let points = properties::assign(plan, &cloud, table)?;
         let mut warnings = Vec::new();
-        let flow = timers.time("operators", || {
-            FlowModel::build(plan, flow, &cloud, families, &points, &mut warnings)
-        })?;
-        let mut flow = timers.time("assembly", || flow.assemble(plan))?;
-        if let Ok(Some(solution)) = manufactured(plan) {
-            let exact = |x: &Vector<D>| solution.pressure(x.as_slice(), 0.0);
-            flow.initial = cloud.position.iter().map(exact).collect();
-        }
+        let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
+        let solid = build_solid(
+            plan,
+            &cloud,
+            &families,
+            &points,
+            coupling.as_ref(),
+            &mut warnings,
+            timers,
+        )?;
+        let flow = build_flow(plan, &cloud, families, &points, &mut warnings, timers)?;
         Ok(Model {
             cloud,
             material: points.material,
             permeability: points.permeability,
             flow,
+            solid,
+            coupling,
             warnings,
         })
     }
+
+    /// Times at which a load's slope jumps, sorted.
+    pub fn breakpoints(&self) -> Vec<f64> {
+        let flow = self.flow.iter().flat_map(FlowModel::breakpoints);
+        let solid = self.solid.iter().flat_map(SolidModel::breakpoints);
+        let mut times: Vec<f64> = flow.chain(solid).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// Bytes held, by what holds them.
+    pub fn bytes(&self) -> Vec<(&'static str, usize)> {
+        let flow = self.flow.iter().flat_map(FlowModel::bytes);
+        let solid = self.solid.iter().flat_map(SolidModel::bytes);
+        let coupling = self.coupling.iter().map(|c| ("coupling", c.bytes()));
+        flow.chain(solid).chain(coupling).collect()
+    }
+}
+
+fn build_flow<const D: usize>(
+    plan: &Plan,
+    cloud: &Arc<Cloud<D>>,
+    families: Families<D>,
+    points: &properties::Properties,
+    warnings: &mut Vec<String>,
+    timers: &mut Timers,
+) -> Result<Option<FlowModel<D>>, ModelError> {
+    let Some(flow) = &plan.flow else {
+        return Ok(None);
+    };
+    let flow = timers.time("operators", || {
+        FlowModel::build(plan, flow, cloud, families, points, warnings)
+    })?;
+    let mut flow = timers.time("assembly", || flow.assemble(plan))?;
+    if let Ok(Some(solution)) = manufactured(plan) {
+        let exact = |x: &Vector<D>| solution.pressure(x.as_slice(), 0.0);
+        flow.initial = cloud.position.iter().map(exact).collect();
+    }
+    Ok(Some(flow))
+}
+
+fn build_solid<const D: usize>(
+    plan: &Plan,
+    cloud: &Arc<Cloud<D>>,
+    families: &Families<D>,
+    points: &properties::Properties,
+    coupling: Option<&Coupling>,
+    warnings: &mut Vec<String>,
+    timers: &mut Timers,
+) -> Result<Option<SolidModel<D>>, ModelError> {
+    let Some(mechanics) = &plan.mechanics else {
+        return Ok(None);
+    };
+    let solid = timers.time("operators", || {
+        SolidModel::build(plan, mechanics, cloud, families, points, warnings)
+    })?;
+    let divergence = coupling.map(|coupling| &coupling.divergence);
+    let solid = timers.time("assembly", || {
+        solid.assemble(plan, mechanics, points, divergence)
+    })?;
+    Ok(Some(solid))
 }

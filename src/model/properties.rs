@@ -2,7 +2,8 @@
 
 use crate::geometry::Cloud;
 use crate::material::log_normal;
-use crate::plan::{PermeabilityPlan, Plan, PointTable};
+use crate::operators::Lame;
+use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable};
 
 use super::ModelError;
 
@@ -14,6 +15,12 @@ pub struct Properties {
     pub permeability: Vec<f64>,
     /// Storage coefficient, 1/Pa.
     pub storage: Vec<f64>,
+    /// Elastic constants; empty without mechanics.
+    pub lame: Vec<Lame>,
+    /// Biot's coefficient; empty without coupling.
+    pub biot_coefficient: Vec<f64>,
+    /// Bulk density, kg/m³; empty where no effect needs it.
+    pub density: Vec<f64>,
 }
 
 const NONE: u16 = u16::MAX;
@@ -31,7 +38,10 @@ pub fn assign<const D: usize>(
         Some(names) => by_name(plan, names)?,
         None => by_region(plan, cloud)?,
     };
-    let mut permeability = permeabilities(plan, cloud, &material)?;
+    let mut permeability = match plan.flow {
+        Some(_) => permeabilities(plan, cloud, &material)?,
+        None => Vec::new(),
+    };
     if let Some(values) = table.and_then(|table| table.permeability.as_ref()) {
         permeability.clone_from(values);
     }
@@ -39,11 +49,56 @@ pub fn assign<const D: usize>(
         .iter()
         .map(|&m| plan.materials[usize::from(m)].storage)
         .collect();
+    let mechanics = plan.mechanics.as_ref();
+    let heavy = mechanics.is_some_and(|m| m.inertia || plan.gravity.is_some());
     Ok(Properties {
-        material,
         permeability,
         storage,
+        lame: per_point(
+            plan,
+            &material,
+            mechanics.is_some(),
+            "elastic moduli",
+            |m| {
+                let elasticity = m.elasticity?;
+                Some(Lame {
+                    lambda: elasticity.lambda(),
+                    mu: elasticity.shear_modulus(),
+                })
+            },
+        )?,
+        biot_coefficient: per_point(
+            plan,
+            &material,
+            plan.coupling.is_some(),
+            "biot_coefficient",
+            |m| m.biot_coefficient,
+        )?,
+        density: per_point(plan, &material, heavy, "density", |m| m.density)?,
+        material,
     })
+}
+
+/// A property of every point, or nothing where no effect needs it.
+fn per_point<T: Copy>(
+    plan: &Plan,
+    material: &[u16],
+    needed: bool,
+    property: &'static str,
+    of: impl Fn(&MaterialPlan) -> Option<T>,
+) -> Result<Vec<T>, ModelError> {
+    if !needed {
+        return Ok(Vec::new());
+    }
+    let value = |m: &MaterialPlan| {
+        of(m).ok_or_else(|| ModelError::MissingProperty {
+            material: m.name.clone(),
+            property,
+        })
+    };
+    let values: Result<Vec<T>, ModelError> = plan.materials.iter().map(value).collect();
+    let values = values?;
+    Ok(material.iter().map(|&m| values[usize::from(m)]).collect())
 }
 
 fn by_name(plan: &Plan, names: &[String]) -> Result<Vec<u16>, ModelError> {
@@ -93,7 +148,11 @@ fn permeabilities<const D: usize>(
 ) -> Result<Vec<f64>, ModelError> {
     let mut permeability = vec![0.0; cloud.len()];
     for (number, plan) in plan.materials.iter().enumerate() {
-        let values = match &plan.permeability {
+        // Without flow there is none, and none is read.
+        let Some(field) = &plan.permeability else {
+            continue;
+        };
+        let values = match field {
             PermeabilityPlan::Uniform(value) => vec![*value; cloud.len()],
             PermeabilityPlan::Table { path, values } => {
                 if values.len() != cloud.len() {

@@ -11,6 +11,8 @@
 
 mod bond_conductance;
 mod correspondence;
+mod divergence;
+mod elastic;
 mod extension;
 mod gradient;
 mod hourglass;
@@ -18,6 +20,8 @@ mod neighbourhood;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
+pub use divergence::Divergence;
+pub use elastic::{Elastic, Lame, point_value};
 pub use extension::{Extension, Parity};
 pub use gradient::{Gradient, area_vectors, column_sums, family_gradient};
 pub use hourglass::Hourglass;

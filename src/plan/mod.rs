@@ -6,12 +6,12 @@ mod resolve;
 mod types;
 
 pub use crate::load::Load;
-pub use exact::{exact_flux, exact_pressure, manufactured};
+pub use exact::{exact_displacement, exact_flux, exact_pressure, manufactured};
 pub use files::{FileError, PointTable};
 pub use resolve::resolve;
 pub use types::{
-    FlowPlan, FluidPlan, GeometryPlan, GradientChoice, GravityPlan, Integrator, MaterialPlan,
-    OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile, ReferenceKind,
-    ReferencePlan, RegionPressure, SchemeChoice, SideCondition, StepRule, TimeMode, TimePlan,
-    WellPlan,
+    Acceleration, CouplingPlan, FlowPlan, FluidPlan, GeometryPlan, GradientChoice, GravityPlan,
+    Integrator, MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan,
+    Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions,
+    SideCondition, SolidMethod, StepRule, Support, TimeMode, TimePlan, TractionPlan, WellPlan,
 };

@@ -1,4 +1,4 @@
-//! Exact solutions for flow, and the norms that compare a computed field with them.
+//! Exact solutions for flow and poroelasticity, and the norms that compare a computed field with them.
 //!
 //! A solution is anything that gives a pressure at a place and a time ([`ExactPressure`]). Most are
 //! solutions of the homogeneous equation `S ∂p/∂t = ∇·(κ∇p)`, κ = K/μ_f; a manufactured one also
@@ -10,21 +10,27 @@
 //! | [`FiveSpot`] | steady flow from an injector to a producer in a sealed square |
 //! | [`TwoLayer`] | two layers in series, any contrast, steady and transient |
 //! | [`Theis`] | a line source in an unbounded plane |
+//! | [`Terzaghi`] | consolidation of a column under a load |
+//! | [`Mandel`] | a strip squeezed between rigid plates |
 //! | [`Manufactured`] | a smooth field in a box, with its source |
 
 mod error;
 mod exponential_integral;
 mod five_spot;
+mod mandel;
 mod manufactured;
 mod norms;
+mod terzaghi;
 mod theis;
 mod two_layer;
 
 pub use error::ReferenceError;
 pub use exponential_integral::exponential_integral;
 pub use five_spot::{FiveSpot, InjectorCorner};
+pub use mandel::{Mandel, MandelParameters};
 pub use manufactured::{Axis, Ends, Manufactured, TimeFactor};
 pub use norms::{ErrorNorms, Sample};
+pub use terzaghi::{Terzaghi, TerzaghiParameters};
 pub use theis::{Theis, TheisParameters};
 pub use two_layer::{Layer, TwoLayer, TwoLayerParameters};
 
@@ -70,6 +76,12 @@ pub trait ExactPressure: Send + Sync {
     fn source(&self, _position: &[f64], _time: f64) -> Option<f64> {
         None
     }
+}
+
+/// A displacement field known exactly.
+pub trait ExactDisplacement: Send + Sync {
+    /// Displacement in m at `position` (m) and `time` (s), one component per coordinate.
+    fn displacement(&self, position: &[f64], time: f64) -> Vec<f64>;
 }
 
 /// Coordinate along `axis`, NaN where the position does not have that axis.

@@ -29,6 +29,9 @@ pub struct ErrorNorms {
     pub range: f64,
     /// `l2` over `range`; infinite (or 0 for no error) where the exact field is constant.
     pub l2_relative: f64,
+    /// `l2` over the root mean square of the exact values; infinite (or 0 for no error) where they
+    /// vanish.
+    pub l2_over_norm: f64,
     /// `max` over `range`; infinite (or 0 for no error) where the exact field is constant.
     pub max_relative: f64,
     /// Index of the point with the greatest error, the first of equals.
@@ -147,6 +150,7 @@ impl Compensated {
 /// What the norms are made of.
 struct Sums {
     squares: Compensated,
+    exact_squares: Compensated,
     volume: Compensated,
     worst: Option<(usize, f64)>,
     least: f64,
@@ -159,6 +163,7 @@ impl Default for Sums {
     fn default() -> Self {
         Self {
             squares: Compensated::default(),
+            exact_squares: Compensated::default(),
             volume: Compensated::default(),
             worst: None,
             least: f64::INFINITY,
@@ -193,6 +198,7 @@ impl Sums {
         }
         let error = (numerical - exact).abs();
         self.squares.add(volume * error * error);
+        self.exact_squares.add(volume * exact * exact);
         self.volume.add(volume);
         if self.worst.is_none_or(|(_, worst)| error > worst) {
             self.worst = Some((point, error));
@@ -212,13 +218,15 @@ impl Sums {
         };
         let l2 = (self.squares.value() / volume).sqrt();
         let range = self.greatest - self.least;
-        let relative = |error: f64| if error > 0.0 { error / range } else { 0.0 };
+        let norm = (self.exact_squares.value() / volume).sqrt();
+        let over = |error: f64, scale: f64| if error > 0.0 { error / scale } else { 0.0 };
         Ok(ErrorNorms {
             l2,
             max,
             range,
-            l2_relative: relative(l2),
-            max_relative: relative(max),
+            l2_relative: over(l2, range),
+            l2_over_norm: over(l2, norm),
+            max_relative: over(max, range),
             worst_point,
             compared: self.compared,
             excluded: self.excluded,

@@ -17,6 +17,12 @@ pub struct Balance {
     pub turnover: f64,
     /// |injected + fixed − outflow − stored| / turnover.
     pub mass: f64,
+    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|; with mechanics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub momentum: Option<f64>,
+    /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D); with mechanics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<f64>,
 }
 
 /// Amounts of one step, or rates.

@@ -16,8 +16,21 @@ pub struct Counters {
     pub operator_products: u64,
     /// Times the coefficient matrix was filled.
     pub refills: u64,
-    /// What the linear solver did.
+    /// Times the stiffness was filled; 0 without mechanics.
+    pub stiffness_refills: u64,
+    /// What the linear solver of flow, or of flow and mechanics together, did.
     pub solver: SolverCounters,
+    /// What the linear solver of mechanics alone did, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mechanics: Option<SolverCounters>,
+    /// Newton iterations of mechanics.
+    pub newton_iterations: u64,
+    /// Passes between flow and mechanics.
+    pub coupling_iterations: u64,
+    /// Iterations of dynamic relaxation.
+    pub relaxation_iterations: u64,
+    /// Single steps of the solid.
+    pub single_steps: u64,
     /// Evaluations per effect.
     pub evaluations: BTreeMap<&'static str, u64>,
     /// Bytes per field of the state.

@@ -1,12 +1,14 @@
 //! One run: build the model, step to the end, write what was asked for.
 
+mod columns;
 mod error;
+mod finish;
 mod stops;
 mod summary;
 mod time_loop;
 mod writer;
 
 pub use error::RunError;
-pub use summary::{FieldError, Summary};
+pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run};
 pub use writer::Writer;

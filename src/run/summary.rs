@@ -47,10 +47,19 @@ pub struct Summary {
     pub limit: Option<StepLimit>,
     /// Errors per field, where an exact solution is named.
     pub errors: BTreeMap<&'static str, FieldError>,
+    /// The same at every output time, the end included.
+    pub errors_over_time: Vec<TimedErrors>,
     /// Rate of outflow per side at the end, m^D/s.
     pub outflow: BTreeMap<&'static str, f64>,
     /// Smallest and largest pressure at the end, Pa.
-    pub pressure_range: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_range: Option<[f64; 2]>,
+    /// Largest displacement at the end, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement_max: Option<f64>,
+    /// How strongly flow and mechanics feel each other, if both are there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<CouplingReport>,
     /// Mass balance.
     pub balance: Balance,
     /// What the divergence-consistent gradient achieved, if it was used.
@@ -63,11 +72,40 @@ pub struct Summary {
     pub warnings: Vec<String>,
 }
 
+/// Errors at one output.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimedErrors {
+    /// Time, s.
+    pub time: f64,
+    /// Errors per field.
+    #[serde(flatten)]
+    pub errors: BTreeMap<&'static str, FieldError>,
+}
+
+/// Figures of the coupling.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CouplingReport {
+    /// Largest α²/(s(λ+2μ)): beyond 1 a split with lagged strain diverges.
+    pub strength: f64,
+    /// Largest consolidation coefficient κ/(s + α²/(λ+2μ)), m²/s.
+    pub consolidation: f64,
+    /// Restriction of the step by Eq. 71 with ½ and the spacing as the length, s. The implicit schemes
+    /// need not keep it.
+    pub step_limit: f64,
+    /// Passes between flow and mechanics over the run.
+    pub passes: u64,
+    /// Largest contraction between the first two passes of a stage; only without acceleration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contraction: Option<f64>,
+}
+
 /// Error of a field against the exact solution.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FieldError {
     /// Root mean square error relative to the range of the exact field.
     pub l2: f64,
+    /// Norm of the error over the norm of the exact field (both root mean square).
+    pub l2_over_norm: f64,
     /// Largest error relative to the range of the exact field.
     pub max: f64,
     /// Range of the exact field over the compared points.
@@ -82,6 +120,7 @@ impl From<ErrorNorms> for FieldError {
     fn from(norms: ErrorNorms) -> Self {
         FieldError {
             l2: norms.l2_relative,
+            l2_over_norm: norms.l2_over_norm,
             max: norms.max_relative,
             range: norms.range,
             compared: norms.compared,

@@ -1,20 +1,17 @@
 //! The time loop.
 
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use super::finish::extremes;
 use super::stops::{Stops, clamp};
-use super::{FieldError, RunError, Summary, Writer};
-use crate::geometry::Side;
+use super::{RunError, Summary, TimedErrors, Writer};
 use crate::model::Model;
-use crate::plan::{
-    Integrator, Plan, ReferenceKind, SchemeChoice, StepRule, TimeMode, exact_flux, exact_pressure,
-};
-use crate::reference::ErrorNorms;
-use crate::report::{Balance, Counters, Timers};
+use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode};
+use crate::report::{Balance, Timers};
 use crate::schemes::{
-    self, Implicit, Scheme, SchemeCounters, State, StepControl, StepError, StepReport, solve_steady,
+    self, Assembled, FlowStage, Implicit, Scheme, SchemeCounters, SolidSolver, State, StepControl,
+    StepError, StepReport, solve_steady,
 };
 
 /// Where a run stands.
@@ -64,10 +61,7 @@ pub fn run<const D: usize>(
         .cloned()
         .collect();
     warnings.iter().for_each(|warning| observer.warn(warning));
-    let state = State {
-        time: 0.0,
-        pressure: model.flow.initial.clone(),
-    };
+    let state = State::initial(&model);
     let mut run = Run {
         plan,
         model,
@@ -83,37 +77,41 @@ pub fn run<const D: usize>(
         steps: 0,
         rejected: 0,
         last_output: None,
+        timed_errors: Vec::new(),
     };
-    run.start_volume = run.model.flow.stored(&run.state.pressure);
-    let (counters, solver, limit) = match plan.time.mode {
+    run.start_volume = run.stored();
+    let effort = match plan.time.mode {
         TimeMode::Steady => run.steady()?,
         TimeMode::Transient => run.transient()?,
     };
     let wall = started.elapsed().as_secs_f64();
-    run.finish(counters, solver, limit, wall)
+    run.finish(effort, wall)
 }
 
-type Effort = (
+type Steady = (StepReport, SchemeCounters, Option<(String, String)>);
+
+pub(super) type Effort = (
     SchemeCounters,
     Option<(String, String)>,
     Option<schemes::StepLimit>,
 );
 
-struct Run<'a, const D: usize> {
-    plan: &'a Plan,
-    model: Model<D>,
-    writer: Option<&'a mut Writer>,
-    observer: &'a mut dyn Observer,
-    interrupt: &'a AtomicBool,
-    timers: Timers,
-    warnings: Vec<String>,
-    start_volume: f64,
-    balance: Balance,
-    state: State,
-    scheme_name: String,
-    steps: u64,
-    rejected: u64,
-    last_output: Option<f64>,
+pub(super) struct Run<'a, const D: usize> {
+    pub(super) plan: &'a Plan,
+    pub(super) model: Model<D>,
+    pub(super) writer: Option<&'a mut Writer>,
+    pub(super) observer: &'a mut dyn Observer,
+    pub(super) interrupt: &'a AtomicBool,
+    pub(super) timers: Timers,
+    pub(super) warnings: Vec<String>,
+    pub(super) start_volume: f64,
+    pub(super) balance: Balance,
+    pub(super) state: State,
+    pub(super) scheme_name: String,
+    pub(super) steps: u64,
+    pub(super) rejected: u64,
+    pub(super) last_output: Option<f64>,
+    pub(super) timed_errors: Vec<TimedErrors>,
 }
 
 impl<const D: usize> Run<'_, D> {
@@ -131,7 +129,7 @@ impl<const D: usize> Run<'_, D> {
             return Err(RunError::Interrupted { time: 0.0 });
         }
         let start = Instant::now();
-        let solved = solve_steady(&self.model, &self.plan.solver, &mut self.state);
+        let solved = self.steady_state();
         self.timers.add("solve", start.elapsed().as_secs_f64());
         let (report, counters, solver) = solved.map_err(|error| self.failed(error))?;
         self.balance.add(&report.flows);
@@ -139,7 +137,26 @@ impl<const D: usize> Run<'_, D> {
         self.start_history()?;
         self.write_history(0.0, &report)?;
         self.write_fields()?;
-        Ok((counters, Some(solver), None))
+        Ok((counters, solver, None))
+    }
+
+    /// The drained state: flow first, then the solid under its pressure.
+    fn steady_state(&mut self) -> Result<Steady, StepError> {
+        let solver = &self.plan.solver;
+        let mut steady: Steady = (StepReport::default(), SchemeCounters::default(), None);
+        if let Some(flow) = &self.model.flow {
+            let (report, counters, chosen) = solve_steady(flow, solver, &mut self.state)?;
+            steady = (report, counters, Some(chosen));
+        }
+        if let Some(solid) = &self.model.solid {
+            let mut mechanics = Assembled::new(solver, solid)?;
+            steady.0.iterations += mechanics.equilibrate(&self.model, &mut self.state)?;
+            let own = SolidSolver::<D>::counters(&mechanics);
+            steady.1.mechanics = own.mechanics;
+            steady.1.newton_iterations = own.newton_iterations;
+            steady.2 = steady.2.or_else(|| SolidSolver::<D>::solver(&mechanics));
+        }
+        Ok(steady)
     }
 
     fn transient(&mut self) -> Result<Effort, RunError> {
@@ -147,9 +164,13 @@ impl<const D: usize> Run<'_, D> {
         let built = schemes::build(plan, &self.model);
         let mut scheme = built.map_err(|error| self.failed(error))?;
         self.scheme_name = scheme.name().to_owned();
+        let start = Instant::now();
+        let started = scheme.start(&self.model, &mut self.state);
+        self.timers.add("start", start.elapsed().as_secs_f64());
+        started.map_err(|error| self.failed(error))?;
         let scale = self.expected_range().map_err(|error| self.failed(error))?;
         let mut control = self.control(&*scheme);
-        let mut stops = Stops::new(plan, &self.model.flow.breakpoints());
+        let mut stops = Stops::new(plan, &self.model.breakpoints());
         self.start_history()?;
         self.write_history(0.0, &StepReport::default())?;
         self.write_fields()?;
@@ -165,9 +186,7 @@ impl<const D: usize> Run<'_, D> {
                 Ok(report) => report,
                 Err(error) => {
                     self.rejected += 1;
-                    if matches!(error, StepError::Unstable { .. })
-                        || !control.cut(dt, SMALLEST * plan.time.end)
-                    {
+                    if error.is_final() || !control.cut(dt, SMALLEST * plan.time.end) {
                         return Err(self.failed(error));
                     }
                     continue;
@@ -186,6 +205,7 @@ impl<const D: usize> Run<'_, D> {
                 continue;
             }
             std::mem::swap(&mut self.state, &mut trial);
+            scheme.accept();
             self.steps += 1;
             let reached = stop.time - self.state.time < 1e-9 * dt;
             if reached {
@@ -256,26 +276,45 @@ impl<const D: usize> Run<'_, D> {
     /// errors while the field itself is still flat.
     fn expected_range(&mut self) -> Result<f64, StepError> {
         let adaptive = self.plan.time.step == StepRule::Adaptive;
-        if !adaptive || self.plan.scheme == SchemeChoice::Explicit {
+        let explicit = self.plan.scheme == SchemeChoice::Explicit;
+        let (Some(flow), true, false) = (&self.model.flow, adaptive, explicit) else {
             return Ok(0.0);
-        }
-        let mut probe = Implicit::new(Integrator::BackwardEuler, &self.plan.solver, &self.model)?;
+        };
+        let mut probe = match self.model.solid {
+            None => {
+                let stage = Box::new(FlowStage::new(&self.plan.solver, flow)?);
+                Box::new(Implicit::new(Integrator::BackwardEuler, stage, false))
+                    as Box<dyn Scheme<D>>
+            }
+            // An undrained start has shown the range already.
+            Some(_) if self.range() > 0.0 => return Ok(0.0),
+            Some(_) => schemes::build(self.plan, &self.model)?,
+        };
         let mut far = self.state.clone();
-        Scheme::<D>::step(
-            &mut probe,
-            &self.model,
-            &self.state,
-            self.plan.time.end,
-            &mut far,
-        )?;
-        Ok(spread(&far.pressure, &self.model.flow.prescribed(far.time)))
+        probe.step(&self.model, &self.state, self.plan.time.end, &mut far)?;
+        Ok(spread(&far.pressure, &flow.prescribed(far.time)))
     }
 
     fn range(&self) -> f64 {
-        spread(
-            &self.state.pressure,
-            &self.model.flow.prescribed(self.state.time),
-        )
+        self.model.flow.as_ref().map_or(0.0, |flow| {
+            spread(&self.state.pressure, &flow.prescribed(self.state.time))
+        })
+    }
+
+    /// Fluid content of the pores above that at rest, m^D.
+    fn stored(&self) -> f64 {
+        let Some(flow) = &self.model.flow else {
+            return 0.0;
+        };
+        let strain: f64 = match self.model.coupling {
+            Some(_) => self
+                .model
+                .content(&self.state.displacement, &self.state.walls)
+                .iter()
+                .sum(),
+            None => 0.0,
+        };
+        flow.stored(&self.state.pressure) + strain
     }
 
     fn start_history(&mut self) -> Result<(), RunError> {
@@ -286,10 +325,10 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn write_history(&mut self, dt: f64, report: &StepReport) -> Result<(), RunError> {
-        let stored = self.model.flow.stored(&self.state.pressure) - self.start_volume;
         if self.plan.time.mode == TimeMode::Transient {
-            self.balance.close(stored);
+            self.balance.close(self.stored() - self.start_volume);
         }
+        self.measure_energy();
         let Some(writer) = &mut self.writer else {
             return Ok(());
         };
@@ -306,168 +345,38 @@ impl<const D: usize> Run<'_, D> {
 
     fn write_fields(&mut self) -> Result<(), RunError> {
         self.last_output = Some(self.state.time);
+        if self.state.time > 0.0 || self.plan.time.mode == TimeMode::Steady {
+            self.record_errors();
+        }
         match &mut self.writer {
             Some(writer) => Ok(writer.fields(self.plan, &self.model, &self.state)?),
             None => Ok(()),
         }
     }
 
-    fn finish(
-        mut self,
-        counters: SchemeCounters,
-        solver: Option<(String, String)>,
-        limit: Option<schemes::StepLimit>,
-        wall: f64,
-    ) -> Result<(Summary, State), RunError> {
-        self.warn_of_imbalance();
-        let flow = &self.model.flow;
-        let rates = flow.outflow(&self.state.pressure, self.state.time);
-        let outflow: BTreeMap<&'static str, f64> = Side::all(D)
-            .map(|side| (side.name(), rates[side.index()]))
-            .collect();
-        let mut summary = Summary {
-            case: self.plan.case.clone(),
-            version: env!("CARGO_PKG_VERSION"),
-            scheme: self.scheme_name.clone(),
-            solver: solver.as_ref().map(|(name, _)| name.clone()),
-            solver_reason: solver.map(|(_, reason)| reason),
-            operator: flow.operator.name(),
-            dimension: D,
-            points: flow.points(),
-            unknowns: flow.points() - flow.fixed.len(),
-            bonds: flow.operator.neighbourhood().families.bonds(),
-            nonzeros: flow.pattern.nonzeros(),
-            second_hops: flow.operator.second_hops(),
-            steps: self.steps,
-            rejected: self.rejected,
-            wall_s: wall,
-            t_end: self.state.time,
-            limit,
-            errors: self.errors(&rates),
-            outflow,
-            pressure_range: extremes(&self.state.pressure),
-            balance: self.balance.clone(),
-            consistency: flow.consistency,
-            counters: self.counters(counters),
-            timers: self.timers.clone(),
-            warnings: self.warnings.clone(),
-        };
-        if let Some(writer) = &mut self.writer {
-            let start = Instant::now();
-            writer.finish(self.plan, &self.model, &self.state)?;
-            summary.timers.add("plots", start.elapsed().as_secs_f64());
-            summary.wall_s += start.elapsed().as_secs_f64();
-            writer.summary(&summary)?;
+    fn measure_energy(&mut self) {
+        let (model, state) = (&self.model, &self.state);
+        if model.solid.is_none() {
+            return;
         }
-        Ok((summary, self.state))
-    }
-
-    /// A balance this poor means that the linear systems are beyond what double precision resolves.
-    fn warn_of_imbalance(&mut self) {
-        let mass = self.balance.mass;
-        if mass > POOR_BALANCE {
-            let message = format!(
-                "mass is balanced to {mass:.1e} of the turnover only: the permeability contrast \
-                 leaves the pressure too few digits; trust the pressure, not the side rates"
-            );
-            self.observer.warn(&message);
-            self.warnings.push(message);
-        }
-    }
-
-    fn errors(&self, outflow: &[f64]) -> BTreeMap<&'static str, FieldError> {
-        let mut errors = BTreeMap::new();
-        let Ok(Some(exact)) = exact_pressure(self.plan) else {
-            return errors;
-        };
-        let cloud = &self.model.cloud;
-        let steady = self.plan.time.mode == TimeMode::Steady;
-        if exact.steady_only() && !steady && !self.is_settled() {
-            return errors;
-        }
-        let manufactured = self
-            .plan
-            .reference
-            .is_some_and(|r| r.kind == ReferenceKind::Manufactured);
-        let time = if steady && !manufactured {
-            f64::INFINITY
-        } else {
-            self.state.time
-        };
-        let positions = cloud.position.iter().map(|x| x.as_slice());
-        let norms = ErrorNorms::against(
-            &*exact,
-            time,
-            positions,
-            &cloud.volume,
-            &self.state.pressure,
-        );
-        if let Ok(norms) = norms {
-            errors.insert("pressure", norms.into());
-        }
-        if let Some(exact) = exact_flux(self.plan).filter(|_| steady) {
-            let right = Side {
-                axis: 0,
-                upper: true,
-            };
-            let error = (outflow[right.index()] - exact).abs() / exact.abs();
-            let (compared, excluded) = (1, 0);
-            let flux = FieldError {
-                l2: error,
-                max: error,
-                range: exact.abs(),
-                compared,
-                excluded,
-            };
-            errors.insert("flux", flux);
-        }
-        errors
-    }
-
-    /// Whether storage takes up next to nothing any more, so that a steady solution may be compared.
-    fn is_settled(&self) -> bool {
-        let (flow, state) = (&self.model.flow, &self.state);
-        let mut imbalance = vec![0.0; state.pressure.len()];
-        flow.imbalance(state.time, &state.pressure, &mut imbalance);
-        let taken: f64 = imbalance.iter().map(|rate| rate.abs()).sum();
-        taken <= SETTLED * flow.flows(&state.pressure, state.time).gross
-    }
-
-    fn counters(&self, scheme: SchemeCounters) -> Counters {
-        let flow = &self.model.flow;
-        let mut evaluations = BTreeMap::new();
-        for effect in &flow.effects {
-            *evaluations.entry(effect.effect().name()).or_insert(0) += effect.evaluations();
-        }
-        Counters {
-            steps: self.steps,
-            rejected: self.rejected,
-            operator_products: scheme.products,
-            refills: flow.refills,
-            solver: scheme.solver,
-            evaluations,
-            field_bytes: self.state.fields().into_iter().collect(),
-            bytes: flow.bytes().into_iter().collect(),
-        }
+        let State {
+            pressure,
+            displacement,
+            walls,
+            ..
+        } = state;
+        let (force, scale) = model.unbalanced(state.time, pressure, displacement, walls);
+        let left: f64 = force.iter().map(|f| f.abs()).sum();
+        self.balance.energy = Some(model.energy(pressure, displacement, walls));
+        self.balance.momentum = Some(if scale > 0.0 { left / scale } else { 0.0 });
     }
 }
 
-/// Mass balance, relative to the turnover, that is worth a warning.
-const POOR_BALANCE: f64 = 1e-8;
-/// Rate of storage, relative to all rates, below which a transient counts as settled.
-const SETTLED: f64 = 1e-4;
 /// Smallest step relative to the run to which a failing step is cut.
 const SMALLEST: f64 = 1e-12;
 /// The same for steps that are cut for accuracy: with next to no storage the first instant of a run
 /// has a layer this thin.
 const TINIEST: f64 = 1e-30;
-
-fn extremes(values: &[f64]) -> [f64; 2] {
-    let start = [f64::INFINITY, f64::NEG_INFINITY];
-    values
-        .iter()
-        .fold(start, |[low, high], &v| [low.min(v), high.max(v)])
-}
 
 /// Largest minus smallest of the pressures and the prescribed ones.
 fn spread(pressure: &[f64], walls: &[f64]) -> f64 {

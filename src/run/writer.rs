@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::Summary;
 use crate::effects::vector;
-use crate::geometry::{Side, Vector};
+use crate::geometry::Vector;
 use crate::model::Model;
 use crate::output::{
     Field, FieldPlot, History, LinePlot, LineStyle, OutputError, Pvd, Scale, Series, VtuData,
@@ -65,25 +65,7 @@ impl Writer {
     pub fn start_history<const D: usize>(&mut self, plan: &Plan) -> Result<(), OutputError> {
         clear(&self.folder)?;
         write_mark(&self.folder, &self.resolved)?;
-        let mut columns: Vec<String> = [
-            "time_s",
-            "step_s",
-            "iterations",
-            "pressure_min_Pa",
-            "pressure_max_Pa",
-        ]
-        .map(str::to_owned)
-        .to_vec();
-        columns.extend(
-            plan.output
-                .probes
-                .iter()
-                .map(|p| format!("pressure_{}_Pa", p.name)),
-        );
-        let volume = format!("m{D}");
-        columns.extend(Side::all(D).map(|side| format!("outflow_{side}_{volume}_per_s")));
-        columns.extend(["injected", "outflow", "stored"].map(|name| format!("{name}_{volume}")));
-        columns.push("mass_balance".to_owned());
+        let columns = super::columns::names::<D>(plan);
         self.history = Some(History::create(self.folder.join("history.csv"), &columns)?);
         Ok(())
     }
@@ -105,23 +87,7 @@ impl Writer {
             return Ok(());
         }
         self.next_row = state.time + plan.time.end / MOST_ROWS;
-        let pressure = &state.pressure;
-        let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mut row = vec![state.time, dt, iterations as f64, low, high];
-        let probes = plan.output.probes.iter();
-        row.extend(probes.map(|probe| {
-            model
-                .flow
-                .pressure_at(pressure, state.time, &vector(&probe.at))
-        }));
-        row.extend(model.flow.outflow(pressure, state.time));
-        row.extend([
-            balance.injected,
-            balance.outflow,
-            balance.stored,
-            balance.mass,
-        ]);
+        let row = super::columns::row(plan, model, state, (dt, iterations), balance);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }
@@ -176,7 +142,9 @@ impl Writer {
     ) -> Result<(), OutputError> {
         let velocity: Vec<f64> = model
             .flow
-            .velocity(&state.pressure, state.time)
+            .iter()
+            .flat_map(|flow| flow.velocity(&state.pressure, state.time))
+            .collect::<Vec<_>>()
             .iter()
             .flat_map(|v| v.iter().copied())
             .collect();
@@ -363,7 +331,12 @@ impl Writer {
             let distance: Vec<f64> = places.iter().map(|x| (x - from).norm()).collect();
             let computed: Vec<f64> = places
                 .iter()
-                .map(|x| model.flow.pressure_at(&state.pressure, state.time, x))
+                .map(|x| {
+                    model
+                        .flow
+                        .as_ref()
+                        .map_or(0.0, |flow| flow.pressure_at(&state.pressure, state.time, x))
+                })
                 .collect();
             let reference: Option<Vec<f64>> = exact.as_ref().map(|exact| {
                 places

@@ -9,8 +9,8 @@ use serde::Deserialize;
 use super::Scene;
 use super::diagnostics::Diagnostic;
 use super::sections::{
-    Flow, Fluid, Geometry, Gravity, Horizon, Material, Output, Reference, Scheme, Solver,
-    TimeControl, Well,
+    Coupling, Flow, Fluid, Geometry, Gravity, Horizon, Material, Mechanics, Output, Reference,
+    Scheme, Solver, TimeControl, Well,
 };
 use super::span::{Named, Spanned};
 use super::validate::{Context, Report, Section};
@@ -39,6 +39,10 @@ pub(super) struct Draft {
     pub gravity: Option<Spanned<Gravity>>,
     /// Single-phase flow; acts if present.
     pub flow: Option<Spanned<Flow>>,
+    /// Deformation of the rock; acts if present.
+    pub mechanics: Option<Spanned<Mechanics>>,
+    /// The ways between pressure and strain; needed where there are both.
+    pub coupling: Option<Spanned<Coupling>>,
     /// Sources and sinks at points; act if present.
     pub wells: Option<Spanned<Named<Well>>>,
     /// How long, and in which steps.
@@ -55,7 +59,7 @@ pub(super) struct Draft {
 }
 
 /// The sections of which a scene needs at least one.
-const EFFECTS: &[&str] = &["[flow]"];
+const EFFECTS: &[&str] = &["[flow]", "[mechanics]"];
 
 impl Draft {
     /// Every rule of every section in which there is no fault yet.
@@ -68,6 +72,8 @@ impl Draft {
         check(&self.materials, scene, &mut report);
         check(&self.gravity, scene, &mut report);
         check(&self.flow, scene, &mut report);
+        check(&self.mechanics, scene, &mut report);
+        check(&self.coupling, scene, &mut report);
         check(&self.wells, scene, &mut report);
         check(&self.time, scene, &mut report);
         check(&self.scheme, scene, &mut report);
@@ -111,7 +117,7 @@ impl Draft {
                 report.add(fault.help(format!("add {section} with {content}")));
             }
         }
-        if !scene.has(&self.flow) {
+        if !scene.has(&self.flow) && !scene.has(&self.mechanics) {
             let fault = Diagnostic::new("the scene names no effect, so nothing would happen");
             report.add(fault.help(match EFFECTS {
                 [only] => format!("add {only}"),
@@ -131,6 +137,8 @@ impl Draft {
             materials: self.materials?.value,
             gravity: self.gravity,
             flow: self.flow,
+            mechanics: self.mechanics,
+            coupling: self.coupling,
             wells: self.wells.unwrap_or_default().value,
             time: self.time?,
             scheme: self.scheme.unwrap_or_default(),

@@ -63,6 +63,10 @@ pub struct Scene {
     pub gravity: Option<Spanned<Gravity>>,
     /// Flow, if it is computed.
     pub flow: Option<Spanned<Flow>>,
+    /// Deformation, if it is computed.
+    pub mechanics: Option<Spanned<Mechanics>>,
+    /// How flow and deformation feel each other; always there if there are both.
+    pub coupling: Option<Spanned<Coupling>>,
     /// Sources and sinks at points, in the order of the file.
     pub wells: Named<Well>,
     /// How long, and in which steps.

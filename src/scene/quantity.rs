@@ -133,6 +133,10 @@ dimensions! {
     Permeability, "a permeability", "m^2", "10 mD", [2, 0, 0];
     /// A volumetric flux (Darcy velocity), m/s.
     Flux, "a flux", "m/s", "1e-6 m/s", [1, 0, -1];
+    /// A force per volume, N/m³.
+    ForceDensity, "a force per volume", "N/m^3", "25 kN/m^3", [-2, 1, -2];
+    /// A force, N, or N/m per metre of thickness in two dimensions.
+    Force, "a force", "N", "10 kN", [1, 1, -2] [0, 1, -2];
     /// An acceleration, m/s².
     Acceleration, "an acceleration", "m/s^2", "9.81 m/s^2", [1, 0, -2];
     /// A volume rate, m³/s, or m²/s per metre of thickness in two dimensions.

@@ -35,7 +35,17 @@ mod tests {
     fn all_sections_are_described_and_the_needed_ones_required() {
         let schema = json_schema();
         let sections: Vec<&String> = schema["properties"].as_object().unwrap().keys().collect();
-        for name in ["geometry", "flow", "wells", "time", "output", "reference"] {
+        for name in [
+            "geometry",
+            "flow",
+            "mechanics",
+            "coupling",
+            "wells",
+            "time",
+            "scheme",
+            "output",
+            "reference",
+        ] {
             assert!(
                 sections.iter().any(|section| *section == name),
                 "{sections:?}"
@@ -49,6 +59,27 @@ mod tests {
         for name in ["title", "geometry", "materials", "time"] {
             assert!(required.contains(&json!(name)), "{required:?}");
         }
+    }
+
+    #[test]
+    fn every_support_of_a_side_is_described() {
+        let schema = json_schema();
+        let mut found = Vec::new();
+        objects(&schema["definitions"]["Support"], &mut found);
+        let keys: Vec<&String> = found
+            .iter()
+            .flat_map(|object| object["properties"].as_object().unwrap().keys())
+            .collect();
+        let expected = [
+            "free",
+            "clamped",
+            "roller",
+            "traction",
+            "displacement",
+            "normal_displacement",
+            "plate",
+        ];
+        assert_eq!(keys, expected);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use perifrac_solvers::{SolveError, SpecError};
 
+use crate::assembly::PatternError;
+
 /// A step that cannot be accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum StepError {
@@ -11,13 +13,106 @@ pub enum StepError {
     /// The solver could not be built.
     #[error(transparent)]
     Spec(#[from] SpecError),
+    /// The coupled matrix is too large.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
     /// A value is no longer a number.
-    #[error("the pressure at point {point} is not finite at t = {time} s")]
+    #[error("the {field} at point {point} is not finite at t = {time} s")]
     NotFinite {
+        /// The field.
+        field: &'static str,
         /// The point.
         point: usize,
         /// Time, s.
         time: f64,
+    },
+    /// The scheme needs a part that the scene does not have.
+    #[error(
+        "the scheme needs {part}, which the scene does not name; add it or choose another scheme"
+    )]
+    Missing {
+        /// The section.
+        part: &'static str,
+    },
+    /// The scheme cannot run the scene.
+    #[error("{scheme} cannot run this scene: {reason}")]
+    Refused {
+        /// The scheme.
+        scheme: &'static str,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
+    /// Newton's method left forces out of balance.
+    #[error(
+        "no mechanical equilibrium at t = {time:.6e} s: forces are out of balance by {residual:.1e} of \
+         the loads after {iterations} iterations; reduce the contrast of the stiffness, or Poisson's \
+         ratio if it is close to 0.5"
+    )]
+    NoEquilibrium {
+        /// Time, s.
+        time: f64,
+        /// Forces out of balance over all forces.
+        residual: f64,
+        /// Iterations done.
+        iterations: usize,
+    },
+    /// Relaxation ran out of iterations.
+    #[error(
+        "dynamic relaxation did not settle at t = {time:.6e} s: residual {residual:.1e} after \
+         {iterations} iterations, wanted {tolerance:.1e}; raise scheme.adr_iterations or \
+         scheme.adr_tolerance, or use --scheme staggered"
+    )]
+    NotRelaxed {
+        /// Time, s.
+        time: f64,
+        /// Iterations done.
+        iterations: usize,
+        /// Residual of Eq. 70.
+        residual: f64,
+        /// The one wanted.
+        tolerance: f64,
+    },
+    /// A rigid plate that nothing resists.
+    #[error(
+        "a rigid plate meets no resistance: nothing holds the body against it; clamp the opposite side \
+         or put a roller there"
+    )]
+    LoosePlate,
+    /// Flow and mechanics do not come to agree.
+    #[error(
+        "the coupling iteration did not converge at t = {time:.6e} s: disagreement {residual:.1e} after \
+         {passes} passes; coupling strength α²/(s(λ+2μ)) = {strength:.3} with scheme.relaxation = \
+         {relaxation}{}", remedy(*.relaxation)
+    )]
+    CouplingDiverged {
+        /// Whether a smaller step cannot help.
+        hopeless: bool,
+        /// Time, s.
+        time: f64,
+        /// Passes done.
+        passes: usize,
+        /// Disagreement over the scale of the mass balance.
+        residual: f64,
+        /// Factor of the fixed-stress term.
+        relaxation: f64,
+        /// α²/(s(λ+2μ)).
+        strength: f64,
+    },
+    /// Lagged strain amplifies itself.
+    #[error(
+        "coupling unstable at t = {time:.6e} s: lagged strain feeds on itself, the pressure change grew \
+         {growth:.1e} times; coupling strength α²/(s(λ+2μ)) = {strength:.3} (lagged strain alone is \
+         stable below 1) with scheme.relaxation = {relaxation}{}", remedy(*.relaxation)
+    )]
+    CouplingUnstable {
+        /// Time, s.
+        time: f64,
+        /// Growth of the pressure change.
+        growth: f64,
+        /// Factor of the fixed-stress term.
+        relaxation: f64,
+        /// α²/(s(λ+2μ)).
+        strength: f64,
     },
     /// Explicit steps amplify errors.
     #[error(
@@ -57,4 +152,26 @@ pub enum StepError {
         /// Net rate brought in.
         net: f64,
     },
+}
+
+fn remedy(relaxation: f64) -> &'static str {
+    match relaxation < 1.0 {
+        true => "; set scheme.relaxation = 1, or use --scheme monolithic",
+        false => "; use a smaller step, or --scheme monolithic",
+    }
+}
+
+impl StepError {
+    /// Whether a smaller step cannot help.
+    pub fn is_final(&self) -> bool {
+        matches!(
+            self,
+            StepError::Unstable { .. }
+                | StepError::CouplingUnstable { .. }
+                | StepError::CouplingDiverged { .. }
+                | StepError::Missing { .. }
+                | StepError::Refused { .. }
+                | StepError::LoosePlate
+        )
+    }
 }

@@ -1,50 +1,49 @@
-//! Implicit flow: backward Euler and TR-BDF2, both with an error estimate from one more solve with
-//! the same factor.
+//! Implicit integrators: backward Euler and TR-BDF2, both with an error estimate from one more solve
+//! with the same factor.
 //!
-//! Increments are solved for, never pressures: the right-hand sides are imbalances, so a state of
-//! rest stays at rest to the last bit.
+//! What is integrated is the content of the pores, S p + Q u, whose rate is q − L p; mechanical
+//! equilibrium holds at the end of every stage. Increments are solved for, never pressures: the
+//! right-hand sides are imbalances, so a state of rest stays at rest to the last bit.
 
-use perifrac_solvers::{SolverSpec, dot};
+use perifrac_solvers::dot;
 
-use super::{ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport};
+use super::stage::{Stage, Target};
+use super::{Increment, Scheme, SchemeCounters, State, StepError, StepReport, flow_of};
 use crate::model::{FlowModel, Model};
 use crate::plan::Integrator;
 use crate::report::Flows;
 
-/// Implicit scheme of one integrator.
-pub struct Implicit {
+/// Implicit scheme: an integrator over a stage.
+pub struct Implicit<const D: usize> {
     integrator: Integrator,
-    system: ImplicitSystem,
+    stage: Box<dyn Stage<D>>,
+    name: String,
     products: u64,
+    /// Whether anybody asks for the error of a step.
+    estimates: bool,
     /// Imbalance q − L p at the end of the last trial and at the start of its step.
     known: [Option<(f64, Vec<f64>)>; 2],
-    increment: Vec<f64>,
 }
 
 /// γ of TR-BDF2, for which both stages have the same matrix.
 const GAMMA: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-impl Implicit {
-    /// Scheme with the given solver.
-    ///
-    /// # Errors
-    /// [`StepError`] if the solver cannot be built or refuses the matrix.
-    pub fn new<const D: usize>(
-        integrator: Integrator,
-        solver: &SolverSpec,
-        model: &Model<D>,
-    ) -> Result<Self, StepError> {
-        Ok(Implicit {
+impl<const D: usize> Implicit<D> {
+    /// Scheme of the given integrator and stage; without `estimates` the error of a step is not
+    /// computed, which saves a solve.
+    pub fn new(integrator: Integrator, stage: Box<dyn Stage<D>>, estimates: bool) -> Self {
+        Implicit {
             integrator,
-            system: ImplicitSystem::new(solver, &model.flow)?,
+            name: format!("{} ({})", stage.name(), integrator.name()),
+            stage,
             products: 0,
+            estimates,
             known: [None, None],
-            increment: vec![0.0; model.flow.points()],
-        })
+        }
     }
 
     /// q(t) − L p.
-    fn imbalance<const D: usize>(&mut self, flow: &FlowModel<D>, time: f64, p: &[f64]) -> Vec<f64> {
+    fn imbalance(&mut self, flow: &FlowModel<D>, time: f64, p: &[f64]) -> Vec<f64> {
         let mut result = vec![0.0; p.len()];
         flow.imbalance(time, p, &mut result);
         self.products += 1;
@@ -52,7 +51,7 @@ impl Implicit {
     }
 
     /// Imbalance at the start of the step, kept from the end of the last one.
-    fn start<const D: usize>(&mut self, flow: &FlowModel<D>, old: &State) -> Vec<f64> {
+    fn at_start(&mut self, flow: &FlowModel<D>, old: &State) -> Vec<f64> {
         let at = |known: &Option<(f64, Vec<f64>)>| {
             known
                 .as_ref()
@@ -67,128 +66,116 @@ impl Implicit {
         start
     }
 
-    /// Solves (C + a L) x = rhs, with x at fixed points leading from `base` to their pressure.
-    fn solve<const D: usize>(
+    /// Root mean square over the volume of the filtered error.
+    fn estimate(
         &mut self,
-        flow: &FlowModel<D>,
-        time: f64,
-        base: &[f64],
-        mut rhs: Vec<f64>,
-        report: &mut StepReport,
-    ) -> Result<Vec<f64>, StepError> {
-        let mut x = self.increment.clone();
-        for fixed in &flow.fixed {
-            x[fixed.point] = flow.fixed_loads[fixed.load].at(time) - base[fixed.point];
-        }
-        report.iterations += self.system.solve(flow, &mut rhs, &mut x)?;
-        self.increment.copy_from_slice(&x);
-        Ok(x)
-    }
-
-    /// Root mean square over the volume of (C + a L)⁻¹ rhs, the filtered error estimate; fixed points
-    /// have none.
-    fn estimate<const D: usize>(
-        &mut self,
-        flow: &FlowModel<D>,
-        mut rhs: Vec<f64>,
+        model: &Model<D>,
+        rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<f64, StepError> {
-        let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.system.solve(flow, &mut rhs, &mut error)?;
-        let volume = &flow.operator.neighbourhood().cloud.volume;
+        let error = self.stage.filter(model, rhs, report)?;
+        let volume = &model.cloud.volume;
         let weighted: Vec<f64> = error.iter().zip(volume).map(|(e, v)| e * v).collect();
         Ok((dot(&weighted, &error) / volume.iter().sum::<f64>()).sqrt())
     }
 
-    fn backward_euler<const D: usize>(
+    fn backward_euler(
         &mut self,
-        flow: &FlowModel<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        let flow = flow_of(model)?;
         let mut report = StepReport::default();
-        let start = self.start(flow, old);
-        self.system.prepare(flow, 1.0, dt, &[])?;
-        trial.time = old.time + dt;
-        let now = self.imbalance(flow, trial.time, &old.pressure);
+        let start = self.at_start(flow, old);
+        self.stage.prepare(model, dt)?;
+        let time = old.time + dt;
+        let now = self.imbalance(flow, time, &old.pressure);
         let rhs = now.iter().map(|r| dt * r).collect();
-        let step = self.solve(flow, trial.time, &old.pressure, rhs, &mut report)?;
-        set_sum(&mut trial.pressure, &old.pressure, &step);
-        let end = self.imbalance(flow, trial.time, &trial.pressure);
-        let half = end
-            .iter()
-            .zip(&start)
-            .map(|(e, s)| 0.5 * dt * (e - s))
-            .collect();
-        report.error = Some(self.estimate(flow, half, &mut report)?);
-        report.flows = weigh(flow, &[(dt, &trial.pressure, trial.time, &end)]);
-        close_fixed(flow, &mut report.flows, &step);
-        self.known[0] = Some((trial.time, end));
+        let target = Target {
+            base: old,
+            time,
+            dt,
+            slot: 0,
+        };
+        let step = self.stage.solve(model, target, rhs, &mut report)?;
+        trial.time = time;
+        trial.set_sum(old, 1.0, &step);
+        let end = self.imbalance(flow, time, &trial.pressure);
+        if self.estimates {
+            let half = end.iter().zip(&start).map(|(e, s)| 0.5 * dt * (e - s));
+            report.error = Some(self.estimate(model, half.collect(), &mut report)?);
+        }
+        report.flows = weigh(flow, &[(dt, &trial.pressure, time, &end)]);
+        close_fixed(model, flow, &mut report.flows, &step);
+        self.known[0] = Some((time, end));
         Ok(report)
     }
 
-    fn tr_bdf2<const D: usize>(
+    fn tr_bdf2(
         &mut self,
-        flow: &FlowModel<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        let flow = flow_of(model)?;
         let mut report = StepReport::default();
-        let start = self.start(flow, old);
+        let start = self.at_start(flow, old);
         let a = 0.5 * GAMMA * dt;
-        self.system.prepare(flow, 1.0, a, &[])?;
+        self.stage.prepare(model, a)?;
         // First stage: trapezoidal rule to t + γΔt.
         let (middle_time, end_time) = (old.time + GAMMA * dt, old.time + dt);
         let ahead = self.imbalance(flow, middle_time, &old.pressure);
         let rhs = start.iter().zip(&ahead).map(|(s, m)| a * (s + m)).collect();
-        let first = self.solve(flow, middle_time, &old.pressure, rhs, &mut report)?;
-        let mut middle = vec![0.0; first.len()];
-        set_sum(&mut middle, &old.pressure, &first);
-        let halfway = self.imbalance(flow, middle_time, &middle);
+        let time = middle_time;
+        let target = Target {
+            base: old,
+            time,
+            dt,
+            slot: 0,
+        };
+        let first = self.stage.solve(model, target, rhs, &mut report)?;
+        let mut middle = old.clone();
+        middle.set_sum(old, 1.0, &first);
+        let halfway = self.imbalance(flow, middle_time, &middle.pressure);
         // Second stage: second backward difference, written as an increment over its predictor.
         let ratio = 1.0 / (GAMMA * (2.0 - GAMMA));
-        let predictor: Vec<f64> = old
-            .pressure
-            .iter()
-            .zip(&first)
-            .map(|(p, x)| p + ratio * x)
-            .collect();
-        let rhs = self
-            .imbalance(flow, end_time, &predictor)
-            .iter()
-            .map(|r| a * r)
-            .collect();
-        let second = self.solve(flow, end_time, &predictor, rhs, &mut report)?;
-        set_sum(&mut trial.pressure, &predictor, &second);
+        let mut predictor = old.clone();
+        predictor.set_sum(old, ratio, &first);
+        let ahead = self.imbalance(flow, end_time, &predictor.pressure);
+        let rhs = ahead.iter().map(|r| a * r).collect();
+        let (base, time) = (&predictor, end_time);
+        let target = Target {
+            base,
+            time,
+            dt,
+            slot: 1,
+        };
+        let second = self.stage.solve(model, target, rhs, &mut report)?;
         trial.time = end_time;
+        trial.set_sum(&predictor, 1.0, &second);
         let end = self.imbalance(flow, end_time, &trial.pressure);
-        report.error = Some(self.embedded(flow, dt, [&start, &halfway, &end], &mut report)?);
+        if self.estimates {
+            report.error = Some(self.embedded(model, dt, [&start, &halfway, &end], &mut report)?);
+        }
         let outer = 0.25 * std::f64::consts::SQRT_2 * dt;
-        report.flows = weigh(
-            flow,
-            &[
-                (outer, &old.pressure, old.time, &start),
-                (outer, &middle, middle_time, &halfway),
-                (a, &trial.pressure, end_time, &end),
-            ],
-        );
-        let whole: Vec<f64> = trial
-            .pressure
-            .iter()
-            .zip(&old.pressure)
-            .map(|(new, old)| new - old)
-            .collect();
-        close_fixed(flow, &mut report.flows, &whole);
+        let stages = [
+            (outer, &old.pressure, old.time, &start),
+            (outer, &middle.pressure, middle_time, &halfway),
+            (a, &trial.pressure, end_time, &end),
+        ];
+        report.flows = weigh(flow, &stages);
+        close_fixed(model, flow, &mut report.flows, &trial.since(old));
         self.known[0] = Some((end_time, end));
         Ok(report)
     }
 
     /// Difference to the embedded third-order formula (Hosea and Shampine 1996), filtered.
-    fn embedded<const D: usize>(
+    fn embedded(
         &mut self,
-        flow: &FlowModel<D>,
+        model: &Model<D>,
         dt: f64,
         [start, middle, end]: [&Vec<f64>; 3],
         report: &mut StepReport,
@@ -201,15 +188,8 @@ impl Implicit {
         let rhs = (0..start.len())
             .map(|i| dt * (weights[0] * start[i] + weights[1] * middle[i] + weights[2] * end[i]))
             .collect();
-        self.estimate(flow, rhs, report)
+        self.estimate(model, rhs, report)
     }
-}
-
-fn set_sum(target: &mut [f64], a: &[f64], b: &[f64]) {
-    target
-        .iter_mut()
-        .zip(a.iter().zip(b))
-        .for_each(|(t, (a, b))| *t = a + b);
 }
 
 /// Flows of a step as the weighted sum over its stages (weight, pressure, time, imbalance).
@@ -226,21 +206,27 @@ fn weigh<const D: usize>(
     sum
 }
 
-/// Storage at fixed points comes in there too.
-fn close_fixed<const D: usize>(flow: &FlowModel<D>, flows: &mut Flows, change: &[f64]) {
+/// What the pores of fixed points take up comes in there too.
+fn close_fixed<const D: usize>(
+    model: &Model<D>,
+    flow: &FlowModel<D>,
+    flows: &mut Flows,
+    change: &Increment,
+) {
+    if flow.fixed.is_empty() {
+        return;
+    }
+    let content = model.content(&change.displacement, &change.walls);
     let gain = flow
         .fixed
         .iter()
-        .map(|f| flow.capacity[f.point] * change[f.point]);
+        .map(|f| flow.capacity[f.point] * change.pressure[f.point] + content[f.point]);
     flows.fixed += gain.sum::<f64>();
 }
 
-impl<const D: usize> Scheme<D> for Implicit {
-    fn name(&self) -> &'static str {
-        match self.integrator {
-            Integrator::BackwardEuler => "implicit (backward-euler)",
-            Integrator::TrBdf2 => "implicit (tr-bdf2)",
-        }
+impl<const D: usize> Scheme<D> for Implicit<D> {
+    fn name(&self) -> &str {
+        &self.name
     }
 
     fn local_order(&self) -> f64 {
@@ -248,6 +234,19 @@ impl<const D: usize> Scheme<D> for Implicit {
             Integrator::BackwardEuler => 2.0,
             Integrator::TrBdf2 => 3.0,
         }
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        if !model
+            .coupling
+            .as_ref()
+            .is_some_and(|coupling| coupling.undrained_start)
+        {
+            return Ok(());
+        }
+        self.stage.start(model, state)?;
+        self.known = [None, None];
+        Ok(())
     }
 
     fn step(
@@ -258,26 +257,24 @@ impl<const D: usize> Scheme<D> for Implicit {
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
         let report = match self.integrator {
-            Integrator::BackwardEuler => self.backward_euler(&model.flow, old, dt, trial),
-            Integrator::TrBdf2 => self.tr_bdf2(&model.flow, old, dt, trial),
+            Integrator::BackwardEuler => self.backward_euler(model, old, dt, trial),
+            Integrator::TrBdf2 => self.tr_bdf2(model, old, dt, trial),
         }?;
-        match trial.pressure.iter().position(|p| !p.is_finite()) {
-            Some(point) => Err(StepError::NotFinite {
-                point,
-                time: trial.time,
-            }),
-            None => Ok(report),
-        }
+        trial.check()?;
+        Ok(report)
+    }
+
+    fn accept(&mut self) {
+        self.stage.accept();
     }
 
     fn counters(&self) -> SchemeCounters {
-        SchemeCounters {
-            products: self.products,
-            solver: self.system.counters().clone(),
-        }
+        let mut counters = self.stage.counters();
+        counters.products += self.products;
+        counters
     }
 
     fn solver(&self) -> Option<(String, String)> {
-        Some(self.system.chosen().clone())
+        self.stage.solver()
     }
 }

@@ -26,10 +26,10 @@ const MOST_ITERATIONS: usize = 120;
 /// Relative change of the eigenvalue below which the iteration stops.
 const CONVERGED: f64 = 2e-4;
 
-/// Limit 2/λ_max of forward Euler for C ṗ = q − L p.
-pub fn diffusion_limit<const D: usize>(flow: &FlowModel<D>) -> StepLimit {
-    let (point, bound) = fastest_exchange(flow);
-    let largest = largest_eigenvalue(flow).min(bound);
+/// Limit 2/λ_max of forward Euler for S ṗ = q − L p with the given storage per point, m^D/Pa.
+pub fn diffusion_limit<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> StepLimit {
+    let (point, bound) = fastest_exchange(flow, storage);
+    let largest = largest_eigenvalue(flow, storage).min(bound);
     StepLimit {
         dt: 2.0 / largest,
         reason: "diffusion (Eq. 63 with storage and the operator's own eigenvalue)",
@@ -42,10 +42,10 @@ pub fn diffusion_limit<const D: usize>(flow: &FlowModel<D>) -> StepLimit {
 }
 
 /// Gershgorin's bound: the point with the largest Σ|L_ij|/C_i, and that value.
-fn fastest_exchange<const D: usize>(flow: &FlowModel<D>) -> (usize, f64) {
+fn fastest_exchange<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> (usize, f64) {
     let rate = |point: usize| {
         let row = &flow.conductance[flow.pattern.row(point)];
-        row.iter().map(|value| value.abs()).sum::<f64>() / flow.capacity[point]
+        row.iter().map(|value| value.abs()).sum::<f64>() / storage[point]
     };
     let rates = (0..flow.points()).map(|point| (point, rate(point)));
     rates.fold(
@@ -55,8 +55,8 @@ fn fastest_exchange<const D: usize>(flow: &FlowModel<D>) -> (usize, f64) {
 }
 
 /// Upper estimate of the largest eigenvalue of C⁻¹ L, 1/s.
-fn largest_eigenvalue<const D: usize>(flow: &FlowModel<D>) -> f64 {
-    let scale: Vec<f64> = flow.capacity.iter().map(|c| 1.0 / c.sqrt()).collect();
+fn largest_eigenvalue<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> f64 {
+    let scale: Vec<f64> = storage.iter().map(|c| 1.0 / c.sqrt()).collect();
     let matrix = flow.matrix();
     let apply = |x: &[f64]| {
         let scaled: Vec<f64> = x.iter().zip(&scale).map(|(x, s)| x * s).collect();

@@ -1,47 +1,56 @@
 //! How operators and effects combine over time.
+//!
+//! ```text
+//! Implicit { integrator, Stage }    Stage: FlowStage | Monolithic | Staggered { flow, SolidSolver }
+//! ForwardEuler { SolidSolver }      SolidSolver: Assembled (Newton) | Relaxation (ADR)
+//! Verlet { flow }                   QuasiStatic { SolidSolver }
+//! ```
 
+mod build;
 mod control;
 mod error;
 mod explicit;
 mod implicit;
 mod limits;
+mod mixer;
+mod monolithic;
+mod quasi_static;
+mod relaxation;
+mod solid;
+mod stage;
+mod staggered;
+mod state;
 mod steady;
 mod system;
+mod undrained;
+mod verlet;
 
 use perifrac_solvers::SolverCounters;
 
+pub use build::build;
 pub use control::StepControl;
 pub use error::StepError;
 pub use explicit::ForwardEuler;
 pub use implicit::Implicit;
 pub use limits::{StepLimit, diffusion_limit};
+pub use monolithic::Monolithic;
+pub use quasi_static::QuasiStatic;
+pub use relaxation::Relaxation;
+pub use solid::{Assembled, SolidSolver};
+pub use stage::{FlowStage, Stage, Target};
+pub use staggered::Staggered;
+pub use state::{Increment, State};
 pub use steady::solve_steady;
 pub use system::ImplicitSystem;
+pub use verlet::Verlet;
 
-use crate::model::Model;
-use crate::plan::{Plan, SchemeChoice};
+use crate::model::{Coupling, FlowModel, Model, SolidModel};
 use crate::report::Flows;
-
-/// Fields of a run at one time. A scene that names no mechanics or damage has none here.
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// Time, s.
-    pub time: f64,
-    /// Pore pressure per point, Pa, shape `(n,)`.
-    pub pressure: Vec<f64>,
-}
-
-impl State {
-    /// Name and bytes of every field held.
-    pub fn fields(&self) -> Vec<(&'static str, usize)> {
-        vec![("pressure", 8 * self.pressure.len())]
-    }
-}
 
 /// What a step did.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
-    /// Iterations of the linear solver.
+    /// Iterations of the linear solvers, or of relaxation.
     pub iterations: usize,
     /// Estimated root mean square error of the step, Pa; `None` for a scheme without an estimate.
     pub error: Option<f64>,
@@ -52,17 +61,29 @@ pub struct StepReport {
 /// Work done by a scheme.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SchemeCounters {
-    /// Products with the operator.
+    /// Products with an operator.
     pub products: u64,
-    /// What the linear solver did.
+    /// What the linear solver of flow, or of flow and mechanics together, did.
     pub solver: SolverCounters,
+    /// What the linear solver of mechanics alone did, if there is one.
+    pub mechanics: Option<SolverCounters>,
+    /// Newton iterations of mechanics.
+    pub newton_iterations: u64,
+    /// Passes between flow and mechanics.
+    pub coupling_iterations: u64,
+    /// Largest contraction seen between the first two passes; only without acceleration.
+    pub contraction: Option<f64>,
+    /// Iterations of dynamic relaxation.
+    pub relaxation_iterations: u64,
+    /// Single steps of the solid.
+    pub single_steps: u64,
 }
 
 /// A time scheme. `old` is never changed and `trial` is dropped on rejection, so a failed step
 /// cannot corrupt a run.
 pub trait Scheme<const D: usize>: Send {
     /// Name as on the command line, with the integrator.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// Order of the local error, for step control.
     fn local_order(&self) -> f64;
@@ -70,6 +91,14 @@ pub trait Scheme<const D: usize>: Send {
     /// Largest stable step, if there is one.
     fn limit(&self) -> Option<&StepLimit> {
         None
+    }
+
+    /// Brings the initial state into the equilibrium that the scene asks for.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    fn start(&mut self, _model: &Model<D>, _state: &mut State) -> Result<(), StepError> {
+        Ok(())
     }
 
     /// One step of `dt` seconds from `old` into `trial`.
@@ -84,6 +113,9 @@ pub trait Scheme<const D: usize>: Send {
         trial: &mut State,
     ) -> Result<StepReport, StepError>;
 
+    /// The last trial became part of the run; what a scheme learns from it, it learns here.
+    fn accept(&mut self) {}
+
     /// Work done so far.
     fn counters(&self) -> SchemeCounters;
 
@@ -93,18 +125,25 @@ pub trait Scheme<const D: usize>: Send {
     }
 }
 
-/// Builds the scheme of the plan.
-///
-/// # Errors
-/// [`StepError`] if the solver cannot be built.
-pub fn build<const D: usize>(
-    plan: &Plan,
-    model: &Model<D>,
-) -> Result<Box<dyn Scheme<D>>, StepError> {
-    Ok(match plan.scheme {
-        SchemeChoice::Explicit => Box::new(ForwardEuler::new(model)),
-        SchemeChoice::Implicit(integrator) => {
-            Box::new(Implicit::new(integrator, &plan.solver, model)?)
-        }
+/// The flow part of a model.
+fn flow_of<const D: usize>(model: &Model<D>) -> Result<&FlowModel<D>, StepError> {
+    model
+        .flow
+        .as_ref()
+        .ok_or(StepError::Missing { part: "[flow]" })
+}
+
+/// The mechanical part of a model.
+fn solid_of<const D: usize>(model: &Model<D>) -> Result<&SolidModel<D>, StepError> {
+    model.solid.as_ref().ok_or(StepError::Missing {
+        part: "[mechanics]",
     })
+}
+
+/// What couples the two.
+fn coupling_of<const D: usize>(model: &Model<D>) -> Result<&Coupling, StepError> {
+    model
+        .coupling
+        .as_ref()
+        .ok_or(StepError::Missing { part: "[coupling]" })
 }

@@ -9,7 +9,7 @@ use perifrac_solvers::SolverSpec;
 
 use super::{ImplicitSystem, SchemeCounters, State, StepError, StepReport};
 use crate::boundary::Wall;
-use crate::model::{FlowModel, Model};
+use crate::model::FlowModel;
 
 /// Imbalance of a sealed part, relative to its gross rates, that counts as rounding.
 const BALANCED: f64 = 1e-9;
@@ -19,18 +19,17 @@ const BALANCED: f64 = 1e-9;
 /// # Errors
 /// [`StepError::NoSteadyState`] for a sealed part with a net source; [`StepError::Solve`].
 pub fn solve_steady<const D: usize>(
-    model: &Model<D>,
+    flow: &FlowModel<D>,
     solver: &SolverSpec,
     state: &mut State,
 ) -> Result<(StepReport, SchemeCounters, (String, String)), StepError> {
-    let flow = &model.flow;
     let mut imbalance = vec![0.0; flow.points()];
     flow.rate(state.time, &mut imbalance);
     let parts = sealed_parts(flow);
     check_balance(&parts, &imbalance)?;
     let mut system = ImplicitSystem::new(solver, flow)?;
     let ground: Vec<usize> = parts.iter().map(|part| part[0] as usize).collect();
-    system.prepare(flow, 0.0, 1.0, &ground)?;
+    system.prepare(flow, &vec![0.0; flow.points()], 1.0, &ground)?;
     let initial = state.pressure.clone();
     flow.imbalance(state.time, &state.pressure, &mut imbalance);
     let mut change = vec![0.0; flow.points()];
@@ -56,8 +55,8 @@ pub fn solve_steady<const D: usize>(
         flows,
     };
     let counters = SchemeCounters {
-        products: 0,
         solver: system.counters().clone(),
+        ..SchemeCounters::default()
     };
     Ok((report, counters, system.chosen().clone()))
 }

@@ -1,4 +1,4 @@
-//! The implicit matrix C + a L, factored anew only when `a` or L changes.
+//! The implicit matrix S + a L of flow, factored anew only when `a` or L changes.
 
 use perifrac_solvers::{
     Coordinates, LinearSolver, Problem, SolveError, SolverCounters, SolverSpec, Symmetry, choose,
@@ -9,14 +9,15 @@ use crate::model::FlowModel;
 
 use super::StepError;
 
-/// Solver of (C + a L) x = b with rows of fixed points replaced by the identity.
+/// Solver of (S + a L) x = b with rows of fixed points replaced by the identity. S is the capacity of
+/// the points, with what a fixed-stress split adds to it.
 pub struct ImplicitSystem {
     solver: Box<dyn LinearSolver>,
     chosen: (String, String),
     values: Vec<f64>,
     coefficient: Option<f64>,
-    /// Share of the capacity in the matrix: 1, or 0 for a steady state.
-    capacity_share: f64,
+    /// What the diagonal stores, shape `(n,)`, m^D/Pa; zero for a steady state.
+    storage: Vec<f64>,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
     /// What grounding added to each diagonal.
@@ -30,6 +31,8 @@ pub struct ImplicitSystem {
 /// Residual, relative to the right-hand side, that needs no further improvement.
 const REFINED: f64 = 1e-13;
 const REFINEMENTS: usize = 4;
+/// Relative change of the coefficient that keeps a factor.
+pub(super) const SAME: f64 = 1e-12;
 /// Residual, relative to the right-hand side, beyond which a solution is refused. At contrasts of 1e12
 /// the resolution of the pressure itself leaves 1e-6; the mass balance of the report tells.
 const ACCEPTED: f64 = 1e-5;
@@ -76,7 +79,7 @@ impl ImplicitSystem {
             chosen: (spec.to_string(), reason),
             values,
             coefficient: None,
-            capacity_share: 1.0,
+            storage: vec![0.0; flow.points()],
             leak: leaks(flow),
             ground: vec![0.0; flow.points()],
             is_fixed,
@@ -96,19 +99,19 @@ impl ImplicitSystem {
         self.solver.counters()
     }
 
-    /// Makes the matrix capacity·C + a L the current one, `capacity` being 1 or, for a steady
-    /// state, 0; `ground` rows get their own diagonal once more.
+    /// Makes the matrix S + a L the current one for `storage` (shape `(n,)`, m^D/Pa); `ground` rows get
+    /// their own diagonal once more. As long as `a` is the same, so must be the storage.
     ///
     /// # Errors
     /// [`SolveError`] if it cannot be factored.
     pub fn prepare<const D: usize>(
         &mut self,
         flow: &FlowModel<D>,
-        capacity: f64,
+        storage: &[f64],
         a: f64,
         ground: &[usize],
     ) -> Result<(), SolveError> {
-        let same = |old: f64| (old - a).abs() <= 1e-12 * a.abs();
+        let same = |old: f64| (old - a).abs() <= SAME * a.abs();
         if ground.is_empty() && self.coefficient.is_some_and(same) {
             return Ok(());
         }
@@ -117,10 +120,10 @@ impl ImplicitSystem {
             .iter_mut()
             .zip(&flow.conductance)
             .for_each(|(v, l)| *v = a * l);
-        for row in 0..flow.points() {
-            self.values[flow.pattern.diagonal(row)] += capacity * flow.capacity[row];
+        for (row, own) in storage.iter().enumerate() {
+            self.values[flow.pattern.diagonal(row)] += own;
         }
-        self.capacity_share = capacity;
+        self.storage.copy_from_slice(storage);
         self.ground.fill(0.0);
         for &row in ground {
             let diagonal = flow.pattern.diagonal(row);
@@ -200,15 +203,14 @@ impl ImplicitSystem {
         Ok(iterations)
     }
 
-    /// Sets the defect to b − (C + a L) x, with L x from differences; gives its sum of absolutes.
+    /// Sets the defect to b − (S + a L) x, with L x from differences; gives its sum of absolutes.
     fn residual<const D: usize>(&mut self, flow: &FlowModel<D>, rhs: &[f64], x: &[f64]) -> f64 {
         let a = self.coefficient.unwrap_or(1.0);
         self.defect.resize(x.len(), 0.0);
         self.defect.fill(0.0);
         flow.subtract_exchange(x, &mut self.defect);
         for (row, defect) in self.defect.iter_mut().enumerate() {
-            let own =
-                a * self.leak[row] + self.capacity_share * flow.capacity[row] + self.ground[row];
+            let own = a * self.leak[row] + self.storage[row] + self.ground[row];
             *defect = match self.is_fixed.get(row) {
                 Some(true) => 0.0,
                 _ => rhs[row] + a * *defect - own * x[row],

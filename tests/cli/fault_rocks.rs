@@ -283,11 +283,11 @@ error: [gravity] has nothing to act on
 11 | [gravity]
    | ^^^^^^^^^
    |
-   = help: add [flow], or leave [gravity] out
+   = help: add [flow] or [mechanics], or leave [gravity] out
 
 error: the scene names no effect, so nothing would happen
 --> scene.toml
- = help: add [flow]
+ = help: add one of [flow], [mechanics]
 
 2 errors in scene.toml
 "#,

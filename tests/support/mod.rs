@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use perifrac::geometry::Vector;
-use perifrac::model::Model;
+use perifrac::model::{FlowModel, Model};
 use perifrac::plan::{Plan, resolve};
 use perifrac::report::Timers;
 use perifrac::run::{RunError, Summary, run};
@@ -48,21 +48,22 @@ pub fn run_text(text: &str, overrides: &[&str]) -> (Summary, State) {
 /// Pressures at the probes of a 2-D plan at its end.
 pub fn probe_values(plan: &Plan) -> Vec<f64> {
     let (_, state) = try_run(plan).unwrap_or_else(|error| panic!("{error}"));
-    let model = model::<2>(plan);
+    let flow = flow_model::<2>(plan);
     let probes = plan.output.probes.iter();
     let place = |at: &[f64]| Vector::<2>::new(at[0], at[1]);
     probes
-        .map(|p| {
-            model
-                .flow
-                .pressure_at(&state.pressure, state.time, &place(&p.at))
-        })
+        .map(|p| flow.pressure_at(&state.pressure, state.time, &place(&p.at)))
         .collect()
 }
 
 /// The model of a plan.
 pub fn model<const D: usize>(plan: &Plan) -> Model<D> {
     Model::build(plan, &mut Timers::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The flow part of the model of a plan.
+pub fn flow_model<const D: usize>(plan: &Plan) -> FlowModel<D> {
+    model(plan).flow.expect("the plan names flow")
 }
 
 /// Observed order from errors at successively halved spacings or steps.

@@ -2,7 +2,7 @@
 
 use perifrac::geometry::Vector;
 
-use crate::support::{model, plan_of, run_text, try_run};
+use crate::support::{flow_model, plan_of, run_text, try_run};
 
 const TANK: &str = r#"
 title = "tank"
@@ -32,7 +32,7 @@ end = 1000
 fn largest_velocity(overrides: &[&str]) -> f64 {
     let plan = plan_of(TANK, overrides);
     let (_, state) = try_run(&plan).unwrap();
-    let velocity = model::<2>(&plan).flow.velocity(&state.pressure, state.time);
+    let velocity = flow_model::<2>(&plan).velocity(&state.pressure, state.time);
     velocity
         .iter()
         .map(|v: &Vector<2>| v.norm())

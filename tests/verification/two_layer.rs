@@ -19,7 +19,7 @@ fn the_bond_operator_carries_the_flux_at_every_contrast() {
             "{contrast}: {:?}",
             bond.errors["flux"]
         );
-        let [low, high] = bond.pressure_range;
+        let [low, high] = bond.pressure_range.unwrap();
         assert!(
             low >= 0.0 && high <= 1.0,
             "no over- or undershoot at {contrast}"

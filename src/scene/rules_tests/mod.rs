@@ -1,8 +1,10 @@
 //! Every rule of the scene language, each broken once in an otherwise sound scene.
 
+mod coupling;
 mod effects;
 mod geometry;
 mod materials;
+mod mechanics;
 mod run;
 
 use std::path::Path;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::sides::{Boundary, Side, check_side};
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::load::Load;
 use crate::scene::quantity::{Number, Pressure, dimension};
@@ -25,7 +26,7 @@ pub struct Flow {
     /// Adds the weight of the fluid to the pressure at the start. Needs `[gravity]`.
     pub hydrostatic_start: Spanned<bool>,
     /// Conditions on the sides; a side that is not named is sealed.
-    pub boundary: Boundary,
+    pub boundary: Boundary<Condition>,
     /// Prescribed pressure in parts of the domain.
     pub regions: Vec<PressureRegion>,
 }
@@ -66,24 +67,6 @@ pub enum Gradient {
     Plain,
     /// Corrected so that the discrete divergence theorem holds.
     DivergenceConsistent,
-}
-
-/// Conditions on the sides of the domain; a side that is not named is sealed.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Boundary {
-    /// Low x.
-    pub left: Option<Spanned<Condition>>,
-    /// High x.
-    pub right: Option<Spanned<Condition>>,
-    /// Low y.
-    pub bottom: Option<Spanned<Condition>>,
-    /// High y.
-    pub top: Option<Spanned<Condition>>,
-    /// Low z.
-    pub front: Option<Spanned<Condition>>,
-    /// High z.
-    pub back: Option<Spanned<Condition>>,
 }
 
 /// What holds on a side: exactly one of `pressure`, `flux`, `sealed`.
@@ -134,72 +117,6 @@ pub struct PressureRegion {
     pub region: Spanned<Shape>,
     /// Pressure, Pa.
     pub pressure: Load<dimension::Pressure>,
-}
-
-/// A side of the domain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Side {
-    /// Low x.
-    Left,
-    /// High x.
-    Right,
-    /// Low y.
-    Bottom,
-    /// High y.
-    Top,
-    /// Low z.
-    Front,
-    /// High z.
-    Back,
-}
-
-impl Side {
-    /// All sides, low before high, x before y before z.
-    pub const ALL: [Self; 6] = [
-        Self::Left,
-        Self::Right,
-        Self::Bottom,
-        Self::Top,
-        Self::Front,
-        Self::Back,
-    ];
-
-    /// The axis the side is normal to: 0, 1, 2.
-    pub const fn axis(self) -> usize {
-        self as usize / 2
-    }
-
-    /// Whether the side is at the high end of its axis.
-    pub const fn is_high(self) -> bool {
-        self as usize % 2 == 1
-    }
-
-    /// Name as typed.
-    pub const fn name(self) -> &'static str {
-        ["left", "right", "bottom", "top", "front", "back"][self as usize]
-    }
-}
-
-impl Boundary {
-    /// The condition on a side, if one was typed.
-    pub fn get(&self, side: Side) -> Option<&Spanned<Condition>> {
-        let sides = [
-            &self.left,
-            &self.right,
-            &self.bottom,
-            &self.top,
-            &self.front,
-            &self.back,
-        ];
-        sides[side as usize].as_ref()
-    }
-
-    /// The sides with a condition.
-    pub fn iter(&self) -> impl Iterator<Item = (Side, &Spanned<Condition>)> {
-        Side::ALL
-            .into_iter()
-            .filter_map(|side| Some((side, self.get(side)?)))
-    }
 }
 
 impl Flow {
@@ -257,14 +174,7 @@ fn check_condition(
     scene: &Context<'_>,
     report: &mut Report,
 ) {
-    if scene
-        .dimension()
-        .is_some_and(|dimension| side.axis() >= dimension)
-    {
-        let message = format!("a plane domain has no side `{}`", side.name());
-        let fault = Diagnostic::new(message).at(condition.span);
-        report.add(fault.help("its sides are `left`, `right`, `bottom` and `top`"));
-    }
+    check_side(side, condition.span, scene, report);
     match &condition.value {
         Condition::Pressure(given) => {
             report.load(&given.pressure, scene);

@@ -21,9 +21,9 @@ impl Section for Gravity {
 
     fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
         report.vector("acceleration", &self.acceleration, scene.dimension());
-        if !scene.has(&scene.draft.flow) {
+        if !scene.has(&scene.draft.flow) && !scene.has(&scene.draft.mechanics) {
             let fault = Diagnostic::new("[gravity] has nothing to act on").at(place);
-            report.add(fault.help("add [flow], or leave [gravity] out"));
+            report.add(fault.help("add [flow] or [mechanics], or leave [gravity] out"));
         }
     }
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::diagnostics::Diagnostic;
-use crate::scene::quantity::{InversePressure, Length, Number, Permeability, Pressure};
+use crate::scene::quantity::{Density, InversePressure, Length, Number, Permeability, Pressure};
 use crate::scene::shape::Shape;
 use crate::scene::span::{Entry, Named, Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -15,16 +15,22 @@ use crate::scene::validate::{Context, Report, Section};
 pub struct Material {
     /// Where it lies; everywhere else than the others if absent (at most one such).
     pub region: Option<Spanned<Shape>>,
-    /// Intrinsic permeability K, m².
-    pub permeability: Spanned<PermeabilityField>,
-    /// Storage s, 1/Pa. Excludes `porosity`, `biot_coefficient` and `bulk_modulus`.
+    /// Intrinsic permeability K, m²; needed where there is flow.
+    pub permeability: Option<Spanned<PermeabilityField>>,
+    /// Storage s, 1/Pa. Excludes `porosity` and `bulk_modulus`.
     pub storage: Option<InversePressure>,
     /// Porosity n, 0 to 1.
     pub porosity: Option<Number>,
-    /// Biot coefficient α, from the porosity to 1.
+    /// Biot coefficient α, from the porosity to 1; needed where flow and mechanics are coupled.
     pub biot_coefficient: Option<Number>,
     /// Bulk modulus of the rock, Pa.
     pub bulk_modulus: Option<Pressure>,
+    /// Young's modulus E of the drained rock, Pa; needed where there is mechanics.
+    pub youngs_modulus: Option<Pressure>,
+    /// Poisson's ratio ν of the drained rock, from 0, below 0.5; needed where there is mechanics.
+    pub poissons_ratio: Option<Number>,
+    /// Density of the rock with its fluid, kg/m³; needed where its weight or inertia acts.
+    pub density: Option<Density>,
 }
 
 /// Intrinsic permeability, m²: one value, from a file, or drawn at random.
@@ -132,7 +138,11 @@ impl Section for Named<Material> {
             if let Some(region) = &material.region {
                 report.shape(region, scene);
             }
-            check_permeability(&material.permeability, report);
+            if let Some(field) = &material.permeability {
+                check_permeability(field, report);
+            }
+            check_solid(material, report);
+            check_needs(entry, scene, report);
             check_storage(entry, scene, report);
         }
     }
@@ -172,6 +182,62 @@ fn check_permeability(field: &PermeabilityField, report: &mut Report) {
     }
 }
 
+fn check_solid(material: &Material, report: &mut Report) {
+    if let Some(modulus) = material.youngs_modulus {
+        report.positive("youngs_modulus", modulus);
+    }
+    if let Some(ratio) = material.poissons_ratio {
+        report.not_negative("poissons_ratio", ratio);
+        if ratio.value() >= 0.5 {
+            let fault = Diagnostic::new("`poissons_ratio` must be below 0.5").at(ratio.span());
+            report.add(fault.help("for rock that keeps its volume: poissons_ratio = 0.49"));
+        }
+    }
+    if let Some(density) = material.density {
+        report.positive("density", density);
+    }
+}
+
+/// What the effects of the scene need to know of a material, besides its storage.
+fn check_needs(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report) {
+    let (draft, material) = (scene.draft, &entry.value);
+    let flow = scene.has(&draft.flow).then_some("[flow]");
+    let mechanics = scene.has(&draft.mechanics).then_some("[mechanics]");
+    let coupling = scene.has(&draft.coupling).then_some("[coupling]");
+    let gravity = mechanics.and(scene.has(&draft.gravity).then_some("[gravity]"));
+    let inertia = scene
+        .sound(&draft.mechanics)
+        .filter(|mechanics| mechanics.is_dynamic())
+        .map(|_| "mode = \"dynamic\"");
+    let needs = [
+        ("permeability", flow, material.permeability.is_some()),
+        (
+            "youngs_modulus",
+            mechanics,
+            material.youngs_modulus.is_some(),
+        ),
+        (
+            "poissons_ratio",
+            mechanics,
+            material.poissons_ratio.is_some(),
+        ),
+        ("density", gravity.or(inertia), material.density.is_some()),
+        (
+            "biot_coefficient",
+            coupling,
+            material.biot_coefficient.is_some(),
+        ),
+    ];
+    for (key, needed_by, typed) in needs {
+        let Some(effect) = needed_by.filter(|_| !typed) else {
+            continue;
+        };
+        let fault = Diagnostic::new(format!("material `{}` has no `{key}`", entry.name));
+        let help = format!("{effect} needs it: add `{key}` to the material");
+        report.add(fault.at(entry.span).help(help));
+    }
+}
+
 fn check_storage(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report) {
     let material = &entry.value;
     material
@@ -205,7 +271,10 @@ fn check_storage(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Repo
     ];
     match material.storage {
         Some(storage) => {
-            let part = parts.into_iter().find(|(_, span)| span.is_some());
+            let [porosity, _, modulus] = parts;
+            let part = [porosity, modulus]
+                .into_iter()
+                .find(|(_, span)| span.is_some());
             part.map(|part| report.at_most_one(&[("storage", Some(storage.span())), part]));
         }
         None => check_derived_storage(entry, &parts, scene, report),
@@ -226,8 +295,12 @@ fn check_derived_storage(
     let transient = scene
         .sound(&scene.draft.time)
         .is_some_and(|time| !time.is_steady());
-    if missing.len() == parts.len() {
-        if transient {
+    // A Biot coefficient alone belongs to the coupling.
+    let untouched = ["porosity", "bulk_modulus"]
+        .iter()
+        .all(|name| missing.contains(name));
+    if untouched {
+        if transient && scene.has(&scene.draft.flow) {
             let message = format!("material `{}` has no storage", entry.name);
             report.add(Diagnostic::new(message).at(entry.span).help(
                 "add `storage`, or `porosity`, `biot_coefficient` and `bulk_modulus` (Eq. 38)",

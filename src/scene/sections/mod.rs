@@ -1,21 +1,25 @@
 //! The sections of a scene, one file each: what may be typed, and the rules it must keep.
 
+mod coupling;
 mod flow;
 mod fluid;
 mod geometry;
 mod gravity;
 mod horizon;
 mod materials;
+mod mechanics;
 mod output;
 mod reference;
 mod scheme;
+mod sides;
 mod solver;
 mod time;
 mod wells;
 
+pub use coupling::Coupling;
 pub use flow::{
-    Boundary, Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition,
-    PressureRegion, SealedCondition, Side,
+    Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition, PressureRegion,
+    SealedCondition,
 };
 pub use fluid::Fluid;
 pub use geometry::{
@@ -27,9 +31,11 @@ pub use horizon::{Horizon, HorizonSize, Influence};
 pub use materials::{
     Distribution, Material, PermeabilityDistribution, PermeabilityField, PermeabilityFile, Storage,
 };
+pub use mechanics::{InitialStress, Mechanics, Motion, Support, TractionLoad};
 pub use output::{Output, Probe, Profile};
 pub use reference::{Reference, ReferenceKind};
-pub use scheme::{Scheme, SchemeName};
+pub use scheme::{Acceleration, Scheme, SchemeName, SolidMethod};
+pub use sides::{Boundary, Side};
 pub use solver::Solver;
 pub use time::{Integrator, Mode, TimeControl};
 pub use wells::Well;

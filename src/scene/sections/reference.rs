@@ -32,13 +32,23 @@ pub enum ReferenceKind {
     Theis,
     /// A smooth solution with the source it needs.
     Manufactured,
+    /// Consolidation of a drained column under a sudden load.
+    Terzaghi,
+    /// Consolidation of a slab between rigid plates, drained at its ends.
+    Mandel,
 }
 
 impl Section for Reference {
     const NAME: &'static str = "reference";
 
     fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
-        if !scene.has(&scene.draft.flow) {
+        if self.is_coupled() {
+            if !scene.has(&scene.draft.coupling) {
+                let fault = Diagnostic::new("this reference needs [coupling]");
+                let fault = fault.at(self.kind.span);
+                report.add(fault.help("add [flow], [mechanics] and [coupling]"));
+            }
+        } else if !scene.has(&scene.draft.flow) {
             report.add(Diagnostic::new("[reference] needs [flow]").at(place));
         }
         self.exclude
@@ -54,12 +64,20 @@ impl Section for Reference {
                 let materials = scene.sound(&scene.draft.materials).map(|m| m.len());
                 self.check_count("materials", 2, materials, report);
             }
-            ReferenceKind::Manufactured => {}
+            ReferenceKind::Manufactured | ReferenceKind::Terzaghi | ReferenceKind::Mandel => {}
         }
     }
 }
 
 impl Reference {
+    /// Whether the solution is one of flow and deformation together.
+    fn is_coupled(&self) -> bool {
+        matches!(
+            self.kind.value,
+            ReferenceKind::Terzaghi | ReferenceKind::Mandel
+        )
+    }
+
     fn check_square(&self, scene: &Context<'_>, report: &mut Report) {
         let Some(bounds) = scene.bounds() else { return };
         let size: Vec<f64> = bounds

@@ -42,6 +42,7 @@ const NAMES: &[(Exponents, &str)] = &[
     (Exponents::new(1, -1, 2), "an inverse pressure"),
     (Exponents::new(-1, 1, -1), "a viscosity"),
     (Exponents::new(1, 1, -2), "a force"),
+    (Exponents::new(-2, 1, -2), "a force per volume"),
     (Exponents::new(2, 1, -2), "an energy"),
     (Exponents::new(2, 1, -3), "a power"),
     (Exponents::new(0, 1, -2), "an energy per area"),

@@ -1,13 +1,15 @@
 //! The exact solution that a plan names, with its parameters taken from the plan itself.
 
+mod poroelastic;
+
 use super::types::{
     GeometryPlan, MaterialPlan, PermeabilityPlan, Plan, ReferenceKind, SideCondition, TimeMode,
     WellPlan,
 };
 use crate::geometry::{Shape, Side};
 use crate::reference::{
-    Axis, Ends, ExactPressure, FiveSpot, InjectorCorner, Layer, Manufactured, Theis,
-    TheisParameters, TimeFactor, TwoLayer, TwoLayerParameters,
+    Axis, Ends, ExactDisplacement, ExactPressure, FiveSpot, InjectorCorner, Layer, Manufactured,
+    Theis, TheisParameters, TimeFactor, TwoLayer, TwoLayerParameters,
 };
 
 /// The exact pressure the plan names, if any.
@@ -26,7 +28,21 @@ pub fn exact_pressure(plan: &Plan) -> Result<Option<Box<dyn ExactPressure>>, Str
             Some(solution) => Box::new(solution),
             None => return Ok(None),
         },
+        ReferenceKind::Terzaghi => Box::new(poroelastic::terzaghi(plan)?),
+        ReferenceKind::Mandel => Box::new(poroelastic::mandel(plan)?),
     }))
+}
+
+/// The exact displacement the plan names, if any.
+///
+/// # Errors
+/// As [`exact_pressure`].
+pub fn exact_displacement(plan: &Plan) -> Result<Option<Box<dyn ExactDisplacement>>, String> {
+    Ok(match plan.reference.map(|reference| reference.kind) {
+        Some(ReferenceKind::Terzaghi) => Some(Box::new(poroelastic::terzaghi(plan)?)),
+        Some(ReferenceKind::Mandel) => Some(Box::new(poroelastic::mandel(plan)?)),
+        _ => None,
+    })
 }
 
 /// Exact rate through the domain along x in m^D/s, for the two-layer reference in steady state.
@@ -231,7 +247,7 @@ fn uniform(plan: &Plan) -> Result<(f64, f64), String> {
 
 fn permeability(material: &MaterialPlan) -> Result<f64, String> {
     match material.permeability {
-        PermeabilityPlan::Uniform(value) => Ok(value),
+        Some(PermeabilityPlan::Uniform(value)) => Ok(value),
         _ => Err(format!(
             "this reference needs a uniform permeability of \"{}\"",
             material.name

@@ -1,7 +1,15 @@
 //! What a plan holds. Everything is in SI units; a missing option means the effect does not exist.
 
+mod material;
+mod mechanics;
+mod scheme;
+
 use perifrac_solvers::SolverSpec;
 use serde::Serialize;
+
+pub use material::{MaterialPlan, PermeabilityPlan};
+pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
+pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
 
 use super::Load;
 use super::files::PointTable;
@@ -29,6 +37,10 @@ pub struct Plan {
     pub fluid: FluidPlan,
     /// Flow, if the scene names it.
     pub flow: Option<FlowPlan>,
+    /// Deformation, if the scene names it.
+    pub mechanics: Option<MechanicsPlan>,
+    /// How flow and deformation feel each other, if there are both.
+    pub coupling: Option<CouplingPlan>,
     /// Gravity, if the scene names it.
     pub gravity: Option<GravityPlan>,
     /// Wells, in the scene's order.
@@ -37,6 +49,8 @@ pub struct Plan {
     pub time: TimePlan,
     /// Time scheme.
     pub scheme: SchemeChoice,
+    /// Settings of the schemes that join fields or move the solid.
+    pub scheme_options: SchemeOptions,
     /// Linear solver.
     pub solver: SolverSpec,
     /// What to write.
@@ -92,46 +106,6 @@ pub enum GeometryPlan {
     },
 }
 
-/// A material and where it is.
-#[derive(Debug, Clone)]
-pub struct MaterialPlan {
-    /// Name in the scene.
-    pub name: String,
-    /// Region; `None` for the background.
-    pub region: Option<Shape>,
-    /// Permeability.
-    pub permeability: PermeabilityPlan,
-    /// Storage coefficient s in 1/Pa, given or from Eq. 38.
-    pub storage: f64,
-}
-
-/// Where a permeability comes from.
-#[derive(Debug, Clone)]
-pub enum PermeabilityPlan {
-    /// One value, m².
-    Uniform(f64),
-    /// One value per point of the cloud, m², from a file.
-    Table {
-        /// The file, for messages.
-        path: String,
-        /// Values, m².
-        values: Vec<f64>,
-    },
-    /// Log-normal field.
-    LogNormal {
-        /// Median, m².
-        median: f64,
-        /// Standard deviation of the decimal logarithm.
-        log10_std: f64,
-        /// Total range in decades, to which values are clipped; infinite for none.
-        decades: f64,
-        /// Correlation length, m; `None` for independent points.
-        correlation_length: Option<f64>,
-        /// Seed.
-        seed: u64,
-    },
-}
-
 /// The pore fluid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FluidPlan {
@@ -164,11 +138,7 @@ impl FlowPlan {
     /// Whether the gradient is made divergence-consistent on a cloud that is irregular or not and
     /// has planes or not.
     pub fn corrects_gradient(&self, irregular: bool, planes: bool) -> bool {
-        match self.gradient {
-            GradientChoice::Plain => false,
-            GradientChoice::DivergenceConsistent => true,
-            GradientChoice::Auto => irregular && planes,
-        }
+        self.gradient.corrects(irregular, planes)
     }
 }
 
@@ -182,7 +152,7 @@ pub enum OperatorChoice {
     Bond,
 }
 
-/// Gradients of the correspondence operator.
+/// Gradients of the correspondence operators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GradientChoice {
@@ -192,6 +162,18 @@ pub enum GradientChoice {
     Plain,
     /// With column sums corrected.
     DivergenceConsistent,
+}
+
+impl GradientChoice {
+    /// Whether the gradient is made divergence-consistent on a cloud that is irregular or not and
+    /// has planes or not.
+    fn corrects(self, irregular: bool, planes: bool) -> bool {
+        match self {
+            GradientChoice::Plain => false,
+            GradientChoice::DivergenceConsistent => true,
+            GradientChoice::Auto => irregular && planes,
+        }
+    }
 }
 
 /// Flow condition on a side.
@@ -279,46 +261,6 @@ pub enum StepRule {
     Adaptive,
 }
 
-/// Time scheme.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SchemeChoice {
-    /// Forward Euler.
-    Explicit,
-    /// Implicit, with the given integrator.
-    Implicit(Integrator),
-}
-
-impl SchemeChoice {
-    /// Name as on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            SchemeChoice::Explicit => "explicit",
-            SchemeChoice::Implicit(_) => "implicit",
-        }
-    }
-}
-
-/// Implicit integrators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Integrator {
-    /// Backward Euler.
-    BackwardEuler,
-    /// Trapezoidal rule and second backward difference.
-    TrBdf2,
-}
-
-impl Integrator {
-    /// Name as in scenes.
-    pub fn name(self) -> &'static str {
-        match self {
-            Integrator::BackwardEuler => "backward-euler",
-            Integrator::TrBdf2 => "tr-bdf2",
-        }
-    }
-}
-
 /// What to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputPlan {
@@ -377,4 +319,8 @@ pub enum ReferenceKind {
     Theis,
     /// Manufactured solution; it also supplies the source.
     Manufactured,
+    /// Consolidation of a drained column.
+    Terzaghi,
+    /// Consolidation of a slab between rigid plates.
+    Mandel,
 }

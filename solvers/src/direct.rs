@@ -1,0 +1,160 @@
+//! What the direct backends share: a kept factor and iterative refinement.
+
+use crate::cholesky::{CholeskyFactor, Kind, Ordering};
+use crate::matrix::rounding_floor;
+use crate::problem::{Problem, Symmetry};
+use crate::registry::{Backend, OptionSpec, OptionValue, Options};
+use crate::system::{ACCEPTED_RESIDUAL, Residuals, System};
+use crate::{CsrView, LinearSolver, SolveError, SolveReport, SolverCounters};
+
+/// Largest residual accepted where it is all rounding error of b − A x: large contrasts of the
+/// coefficients do that to exact solutions, but a free body, whose solution is noise, exceeds it.
+const AT_THE_FLOOR: f64 = 1e-3;
+/// Residual above which the solution is refined.
+const REFINE_ABOVE: f64 = 1e-12;
+/// Most steps of refinement.
+const MAX_REFINEMENTS: usize = 2;
+
+/// The option for the ordering.
+pub(crate) const ORDERING: OptionSpec = OptionSpec {
+    key: "ordering",
+    value: OptionValue::OneOf(&["auto", "nd", "sweep", "amd"]),
+    default: "auto",
+    meaning: "nested dissection or sweep along the longest axis (both need coordinates), or \
+              minimum degree; auto: nd, sweep if cheaper, amd without coordinates",
+};
+
+/// A direct solver: factor, substitution, refinement with the true residual.
+pub(crate) struct Direct {
+    name: &'static str,
+    symmetries: &'static [Symmetry],
+    kind: Kind,
+    ordering: Ordering,
+    system: System,
+    factor: Option<CholeskyFactor>,
+    counters: SolverCounters,
+    candidate: Vec<f64>,
+}
+
+impl Direct {
+    /// A solver of this name, for these systems, with the options of [`ORDERING`].
+    pub(crate) fn new(backend: &'static Backend, kind: Kind, options: &Options<'_>) -> Self {
+        let ordering = match options.choice(ORDERING.key) {
+            "nd" => Ordering::NestedDissection,
+            "sweep" => Ordering::Sweep,
+            "amd" => Ordering::MinimumDegree,
+            _ => Ordering::Automatic,
+        };
+        Self {
+            name: backend.name,
+            symmetries: backend.symmetries,
+            kind,
+            ordering,
+            system: System::new(backend.name),
+            factor: None,
+            counters: SolverCounters::default(),
+            candidate: Vec::new(),
+        }
+    }
+
+    /// Adds corrections A⁻¹ r while they at least halve a residual that is too large.
+    fn refine(
+        &mut self,
+        matrix: CsrView<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        mut found: Residuals,
+    ) -> (Residuals, usize) {
+        let Some(factor) = &mut self.factor else {
+            return (found, 0);
+        };
+        let mut steps = 0;
+        // At the rounding floor of b − A x a further step only replaces one rounding error by another.
+        let improvable = |found: &Residuals, x: &[f64]| {
+            found.plain > REFINE_ABOVE && found.plain > rounding_floor(matrix, x, rhs)
+        };
+        while steps < MAX_REFINEMENTS && improvable(&found, x) {
+            steps += 1;
+            self.candidate.clone_from(&self.system.residual);
+            factor.solve_in_place(&mut self.candidate);
+            for (candidate, x) in self.candidate.iter_mut().zip(x.iter()) {
+                *candidate += x;
+            }
+            let refined = self.system.measure(matrix, &self.candidate, rhs);
+            let halved = refined.plain <= 0.5 * found.plain;
+            if refined.plain < found.plain {
+                x.copy_from_slice(&self.candidate);
+                found = refined;
+            }
+            if !halved {
+                break;
+            }
+        }
+        (found, steps)
+    }
+}
+
+impl LinearSolver for Direct {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn analyse(&mut self, problem: &Problem<'_>) -> Result<(), SolveError> {
+        self.factor = None;
+        self.system.analyse(problem, self.symmetries)?;
+        let factor = CholeskyFactor::analyse(problem, self.kind, self.ordering)?;
+        self.counters.analyses += 1;
+        self.counters.factor_nonzeros = factor.prediction().nonzeros;
+        self.counters.factor_bytes = factor.prediction().bytes;
+        self.factor = Some(factor);
+        Ok(())
+    }
+
+    fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
+        self.system.refresh(matrix)?;
+        let Some(factor) = &mut self.factor else {
+            return Err(SolveError::NotAnalysed {
+                solver: self.name,
+                missing: "analyse",
+            });
+        };
+        factor.factorise(matrix)?;
+        self.counters.refreshes += 1;
+        self.counters.factorisations += 1;
+        self.system.set_ready();
+        Ok(())
+    }
+
+    fn solve(
+        &mut self,
+        matrix: CsrView<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+    ) -> Result<SolveReport, SolveError> {
+        self.system.check_solve(matrix, rhs, x)?;
+        x.copy_from_slice(rhs);
+        if let Some(factor) = &mut self.factor {
+            factor.solve_in_place(x);
+        }
+        let first = self.system.measure(matrix, x, rhs);
+        let (found, refinements) = self.refine(matrix, rhs, x, first);
+        self.counters.refinements += refinements as u64;
+        let backward_stable =
+            || found.plain <= AT_THE_FLOOR && found.plain <= 10.0 * rounding_floor(matrix, x, rhs);
+        if found.plain.is_nan() || (found.plain > ACCEPTED_RESIDUAL && !backward_stable()) {
+            return Err(SolveError::Inaccurate {
+                residual: found.plain,
+                bar: ACCEPTED_RESIDUAL,
+                refinements,
+                advice: "the matrix is nearly singular, not symmetric or not the one refreshed; \
+                         prescribe enough values and limit the contrast of the stiffness",
+            });
+        }
+        self.counters.solves += 1;
+        Ok(found.report(refinements))
+    }
+
+    fn counters(&self) -> &SolverCounters {
+        &self.counters
+    }
+}

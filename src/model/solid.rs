@@ -1,0 +1,421 @@
+//! The mechanical problem: K u + r w = f on the points, with moving walls w.
+//!
+//! A wall is one displacement component prescribed on one plane side. Walls at rest are part of the
+//! mirror images; only walls that move (prescribed motion, or a rigid plate that finds its own place)
+//! are degrees of freedom of their own.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+use perifrac_solvers::{CsrMatrix, CsrView, dot, multiply};
+use rayon::prelude::*;
+
+use crate::assembly::{
+    Consistency, Pattern, Planes, consistent_gradient, fill_stiffness, matrix_bytes,
+};
+use crate::effects::{self, Counted, SolidContext};
+use crate::geometry::{Cloud, Families, Matrix, Side, Vector};
+use crate::load::Load;
+use crate::operators::{Divergence, Elastic, Extension, Neighbourhood, Parity, point_value};
+use crate::plan::{MechanicsPlan, Plan, Support};
+
+use super::ModelError;
+use super::properties::Properties;
+
+/// Operators, loads and walls of the mechanical problem.
+pub struct SolidModel<const D: usize> {
+    /// The elastic operator.
+    pub elastic: Elastic<D>,
+    /// Sparsity over points.
+    pub points: Pattern,
+    /// K over unknowns, N/m (per metre of thickness in 2-D).
+    pub stiffness: CsrMatrix,
+    /// Loads.
+    pub effects: Vec<Counted>,
+    /// Walls that move.
+    pub walls: Vec<MovingWall>,
+    /// Stiffness among the walls, N/m.
+    pub wall_stiffness: DMatrix<f64>,
+    /// Mass per point, kg; empty without inertia.
+    pub mass: Vec<f64>,
+    /// What the divergence-consistent gradient achieved, if it is used.
+    pub consistency: Option<Consistency>,
+    /// How often K was filled.
+    pub refills: u64,
+}
+
+/// A displacement component of a plane side that moves.
+#[derive(Debug, Clone)]
+pub struct MovingWall {
+    /// The side.
+    pub side: Side,
+    /// The component of the displacement.
+    pub component: usize,
+    /// What moves it.
+    pub drive: Drive,
+    /// Force on every unknown per metre of the wall, sparse: column r of the stiffness, N/m.
+    pub response: Vec<(u32, f64)>,
+    /// Pore volume gained by every point per metre of the wall, sparse, m^(D−1).
+    pub content: Vec<(u32, f64)>,
+}
+
+/// What moves a wall.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Drive {
+    /// A prescribed displacement over time, m.
+    Displacement(Load),
+    /// A rigid plate under a resultant force over time, N.
+    Force(Load),
+}
+
+impl<const D: usize> SolidModel<D> {
+    pub(super) fn build(
+        plan: &Plan,
+        mechanics: &MechanicsPlan,
+        cloud: &Arc<Cloud<D>>,
+        families: &Families<D>,
+        points: &Properties,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, ModelError> {
+        let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
+        let extension: Vec<Extension<D>> = (0..D)
+            .map(|component| {
+                let parity: Vec<Parity> = Side::all(D)
+                    .map(|side| parity(&mechanics.sides[side.index()], side, component))
+                    .collect();
+                Extension::new(&families.images, &parity, &planes)
+            })
+            .collect();
+        let families = families.retain_images(|image| extension[0].keeps(image))?;
+        let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
+        let around = Arc::new(around);
+        let mut consistency = None;
+        let mut gradient = None;
+        if mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes) {
+            let (corrected, quality) = consistent_gradient(&around, &Planes::of(&extension))?;
+            warnings.extend(super::flow::doubt(&quality));
+            consistency = Some(quality);
+            gradient = Some(corrected);
+        }
+        let lame = points.lame.clone();
+        let mass = match mechanics.inertia {
+            true => points
+                .density
+                .iter()
+                .zip(&cloud.volume)
+                .map(|(d, v)| d * v)
+                .collect(),
+            false => Vec::new(),
+        };
+        Ok(SolidModel {
+            elastic: Elastic::new(around, gradient, extension, lame, mechanics.hourglass),
+            points: Pattern {
+                offsets: vec![0],
+                columns: Vec::new(),
+            },
+            stiffness: CsrMatrix::zero((0, 0)),
+            effects: Vec::new(),
+            walls: Vec::new(),
+            wall_stiffness: DMatrix::zeros(0, 0),
+            mass,
+            consistency,
+            refills: 0,
+        })
+    }
+
+    /// Builds the pattern, fills K, and builds loads and walls; `coupling` tells what strain does to
+    /// the pores.
+    pub(super) fn assemble(
+        mut self,
+        plan: &Plan,
+        mechanics: &MechanicsPlan,
+        points: &Properties,
+        coupling: Option<&Divergence>,
+    ) -> Result<Self, ModelError> {
+        self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
+        self.stiffness = self.points.expanded(D)?.into_matrix();
+        self.refill();
+        self.effects = effects::build_solid(&SolidContext {
+            plan,
+            mechanics,
+            elastic: &self.elastic,
+            density: &points.density,
+        })?;
+        self.build_walls(mechanics, coupling);
+        Ok(self)
+    }
+
+    /// Fills K anew into the same pattern.
+    pub fn refill(&mut self) {
+        fill_stiffness(&self.elastic, &self.points, self.stiffness.data_mut());
+        self.refills += 1;
+    }
+
+    fn build_walls(&mut self, mechanics: &MechanicsPlan, coupling: Option<&Divergence>) {
+        let elastic = &self.elastic;
+        let drives: Vec<(Side, usize, Drive)> = Side::all(D)
+            .flat_map(|side| moving(&mechanics.sides[side.index()], side))
+            .collect();
+        let offset = |(side, component, _): &(Side, usize, Drive), bond: usize| {
+            let mut unit = vec![0.0; 2 * D];
+            unit[side.index()] = 1.0;
+            let image = elastic.around.families.image(bond);
+            let mut value = Vector::<D>::zeros();
+            value[*component] = elastic.extension[*component].wall_offset(image, &unit);
+            value
+        };
+        let forces: Vec<Vec<Vector<D>>> = drives
+            .iter()
+            .map(|drive| elastic.bond_forces(|_, bond| offset(drive, bond)))
+            .collect();
+        let bonds = elastic.around.families.bonds();
+        self.wall_stiffness = DMatrix::from_fn(drives.len(), drives.len(), |k, l| {
+            (0..bonds)
+                .map(|bond| forces[k][bond].dot(&offset(&drives[l], bond)))
+                .sum()
+        });
+        self.walls = drives
+            .iter()
+            .zip(&forces)
+            .map(|(wall, forces)| MovingWall {
+                side: wall.0,
+                component: wall.1,
+                drive: wall.2.clone(),
+                response: sparse(elastic.gather(forces)),
+                content: coupling.map_or_else(Vec::new, |coupling| {
+                    let of = |i| coupling.of_differences(elastic, i, |bond| offset(wall, bond));
+                    sparse((0..elastic.points()).map(of).collect())
+                }),
+            })
+            .collect();
+    }
+
+    /// Number of displacement unknowns.
+    pub fn unknowns(&self) -> usize {
+        D * self.elastic.points()
+    }
+
+    /// K as a matrix.
+    pub fn matrix(&self) -> CsrView<'_> {
+        self.stiffness.view()
+    }
+
+    /// External forces at `time`, shape `(n·D,)`, N; walls and pressure not included.
+    pub fn loads(&self, time: f64, force: &mut [f64]) {
+        force.fill(0.0);
+        self.effects
+            .iter()
+            .for_each(|effect| effect.add_rate(time, force));
+    }
+
+    /// Sets the walls of prescribed displacement to their place at `time`, m.
+    pub fn place_walls(&self, time: f64, walls: &mut [f64]) {
+        for (wall, place) in self.walls.iter().zip(walls) {
+            if let Drive::Displacement(load) = &wall.drive {
+                *place = load.at(time);
+            }
+        }
+    }
+
+    /// Takes K u + r w off `force`, shape `(n·D,)`, N.
+    pub fn subtract_internal(&self, displacement: &[f64], walls: &[f64], force: &mut [f64]) {
+        let mut product = vec![0.0; displacement.len()];
+        multiply(self.matrix(), displacement, &mut product);
+        force.iter_mut().zip(&product).for_each(|(f, p)| *f -= p);
+        for (wall, &place) in self.walls.iter().zip(walls) {
+            for &(unknown, response) in &wall.response {
+                force[unknown as usize] -= response * place;
+            }
+        }
+    }
+
+    /// Force that is left over at each wall at `time`, N: the drive of a plate less what the body and
+    /// the pressure ask for; for prescribed walls minus the reaction.
+    pub fn wall_residual(
+        &self,
+        time: f64,
+        displacement: &[f64],
+        walls: &[f64],
+        pressure: &[f64],
+    ) -> Vec<f64> {
+        let internal = self.internal_wall_force(displacement, walls, pressure);
+        let drive = |wall: &MovingWall| match &wall.drive {
+            Drive::Force(load) => load.at(time),
+            Drive::Displacement(_) => 0.0,
+        };
+        self.walls
+            .iter()
+            .zip(internal)
+            .map(|(wall, own)| drive(wall) - own)
+            .collect()
+    }
+
+    /// Forces that drive the plates at `time`, in absolute amounts, N.
+    pub fn drive(&self, time: f64) -> f64 {
+        let force = |wall: &MovingWall| match &wall.drive {
+            Drive::Force(load) => load.at(time).abs(),
+            Drive::Displacement(_) => 0.0,
+        };
+        self.walls.iter().map(force).sum()
+    }
+
+    /// rᵀ u + k w − qᵀ p per wall, N: the force that holds it there. `pressure` may be empty.
+    pub fn internal_wall_force(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        pressure: &[f64],
+    ) -> Vec<f64> {
+        let row = |(k, wall): (usize, &MovingWall)| {
+            let solid: f64 = wall
+                .response
+                .iter()
+                .map(|&(i, r)| r * displacement[i as usize])
+                .sum();
+            let others: f64 = walls
+                .iter()
+                .enumerate()
+                .map(|(l, w)| self.wall_stiffness[(k, l)] * w)
+                .sum();
+            let push = |&(i, q): &(u32, f64)| q * pressure.get(i as usize).unwrap_or(&0.0);
+            solid + others - wall.content.iter().map(push).sum::<f64>()
+        };
+        self.walls.iter().enumerate().map(row).collect()
+    }
+
+    /// Indices of the walls that find their own place.
+    pub fn plates(&self) -> Vec<usize> {
+        let free = |k: &usize| matches!(self.walls[*k].drive, Drive::Force(_));
+        (0..self.walls.len()).filter(free).collect()
+    }
+
+    /// Strain energy ½ uᵀKu, walls included, J (per metre of thickness in 2-D).
+    pub fn strain_energy(&self, displacement: &[f64], walls: &[f64]) -> f64 {
+        let mut force = vec![0.0; displacement.len()];
+        self.subtract_internal(displacement, walls, &mut force);
+        let points = -dot(&force, displacement);
+        let place = nalgebra::DVector::from_column_slice(walls);
+        let at_walls: f64 = self
+            .walls
+            .iter()
+            .zip(walls)
+            .flat_map(|(wall, w)| wall.response.iter().map(move |&(i, r)| (i, r * w)))
+            .map(|(i, force)| force * displacement[i as usize])
+            .sum();
+        0.5 * (points + at_walls + (&self.wall_stiffness * &place).dot(&place))
+    }
+
+    /// Bond difference with the walls where they are, m.
+    pub fn difference(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        owner: usize,
+        bond: usize,
+    ) -> Vector<D> {
+        let image = self.elastic.around.families.image(bond);
+        let mut value = self.elastic.difference(displacement, owner, bond);
+        if image != 0 {
+            for (wall, place) in self.walls.iter().zip(walls) {
+                let mut unit = [0.0; 6];
+                unit[wall.side.index()] = *place;
+                let extension = &self.elastic.extension[wall.component];
+                value[wall.component] += extension.wall_offset(image, &unit[..2 * D]);
+            }
+        }
+        value
+    }
+
+    /// Displacement gradient per point, shape `(n,)`; rows are components.
+    pub fn slopes(&self, displacement: &[f64], walls: &[f64]) -> Vec<Matrix<D>> {
+        let at = |point| {
+            let difference = |bond| self.difference(displacement, walls, point, bond);
+            self.elastic.gradient_of(point, difference)
+        };
+        (0..self.elastic.points()).into_par_iter().map(at).collect()
+    }
+
+    /// Displacement at any place: value and slope of the nearest point, averaged over equally near
+    /// ones, m.
+    pub fn displacement_at(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        place: &Vector<D>,
+    ) -> Vector<D> {
+        let cloud = &self.elastic.around.cloud;
+        let near = cloud.all_nearest(place);
+        let value = |&point: &usize| {
+            let difference = |bond| self.difference(displacement, walls, point, bond);
+            let slope = self.elastic.gradient_of(point, difference);
+            point_value::<D>(displacement, point) + slope * (place - cloud.position[point])
+        };
+        near.iter().map(value).sum::<Vector<D>>() / near.len() as f64
+    }
+
+    /// Times at which a load's slope jumps.
+    pub fn breakpoints(&self) -> Vec<f64> {
+        let effects = self
+            .effects
+            .iter()
+            .flat_map(|effect| effect.effect().breakpoints());
+        let walls = self.walls.iter().flat_map(|wall| match &wall.drive {
+            Drive::Displacement(load) | Drive::Force(load) => load.breakpoints().to_vec(),
+        });
+        effects.chain(walls).collect()
+    }
+
+    /// Bytes held, by what holds them.
+    pub fn bytes(&self) -> Vec<(&'static str, usize)> {
+        let effects: usize = self
+            .effects
+            .iter()
+            .map(|effect| effect.effect().bytes())
+            .sum();
+        let walls: usize = self
+            .walls
+            .iter()
+            .map(|w| 16 * (w.response.len() + w.content.len()))
+            .sum();
+        vec![
+            ("solid-bonds", self.elastic.around.bytes()),
+            ("solid-operator", self.elastic.bytes()),
+            (
+                "solid-matrix",
+                self.points.bytes() + matrix_bytes(&self.stiffness),
+            ),
+            ("solid-mass", 8 * self.mass.len()),
+            ("solid-effects", effects + walls),
+        ]
+    }
+}
+
+/// What a displacement component does at a side.
+fn parity(support: &Support, side: Side, component: usize) -> Parity {
+    match support {
+        Support::Free | Support::Traction(_) => Parity::OneSided,
+        Support::Roller(_) | Support::Plate(_) if component != side.axis => Parity::Even,
+        Support::Roller(_) | Support::Plate(_) | Support::Prescribed(_) => Parity::Odd,
+    }
+}
+
+/// The walls of a side that move.
+fn moving(support: &Support, side: Side) -> Vec<(Side, usize, Drive)> {
+    let at_rest = |load: &Load| load.values().iter().all(|value| value.abs() <= 0.0);
+    let wall = |(component, load): (usize, &Load)| {
+        (!at_rest(load)).then(|| (side, component, Drive::Displacement(load.clone())))
+    };
+    match support {
+        Support::Free | Support::Traction(_) => Vec::new(),
+        Support::Roller(load) => wall((side.axis, load)).into_iter().collect(),
+        Support::Prescribed(loads) => loads.iter().enumerate().filter_map(wall).collect(),
+        Support::Plate(force) => vec![(side, side.axis, Drive::Force(force.clone()))],
+    }
+}
+
+fn sparse(values: Vec<f64>) -> Vec<(u32, f64)> {
+    (0_u32..)
+        .zip(values)
+        .filter(|(_, value)| *value != 0.0)
+        .collect()
+}

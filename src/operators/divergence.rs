@@ -1,0 +1,75 @@
+//! The mechanical divergence and its adjoint: what couples the displacement to the pressure.
+
+use rayon::prelude::*;
+
+use super::Elastic;
+use crate::geometry::Vector;
+
+/// Q = D(V α) div of Biot's equations, with the gradient of the mechanical operator, so that the
+/// work of the pressure on the solid and that of the solid on the fluid are the same.
+#[derive(Debug, Clone)]
+pub struct Divergence {
+    /// V α per point, m^D, shape `(n,)`.
+    pub weight: Vec<f64>,
+}
+
+impl Divergence {
+    /// Adds `scale` · Q u to `result` (shape `(n,)`, m^D): the gain of pore volume by strain.
+    pub fn add<const D: usize>(
+        &self,
+        elastic: &Elastic<D>,
+        displacement: &[f64],
+        scale: f64,
+        result: &mut [f64],
+    ) {
+        let at = |point: usize| {
+            self.of_differences(elastic, point, |bond| {
+                elastic.difference(displacement, point, bond)
+            })
+        };
+        result
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(256)
+            .for_each(|(point, result)| *result += scale * at(point));
+    }
+
+    /// V α div of one point from its bond differences, m^D.
+    pub fn of_differences<const D: usize>(
+        &self,
+        elastic: &Elastic<D>,
+        point: usize,
+        difference: impl Fn(usize) -> Vector<D>,
+    ) -> f64 {
+        let family = elastic.around.families.family(point);
+        let sum: f64 = family
+            .map(|bond| elastic.gradient.weight[bond].dot(&difference(bond)))
+            .sum();
+        self.weight[point] * sum
+    }
+
+    /// Adds `scale` · Qᵀ p to `result` (shape `(n·D,)`, N): the push of the pressure on the solid.
+    pub fn add_adjoint<const D: usize>(
+        &self,
+        elastic: &Elastic<D>,
+        pressure: &[f64],
+        scale: f64,
+        result: &mut [f64],
+    ) {
+        let families = &elastic.around.families;
+        let weight = &elastic.gradient.weight;
+        result
+            .par_chunks_mut(D)
+            .enumerate()
+            .with_min_len(256)
+            .for_each(|(point, result)| {
+                let own: Vector<D> = families.family(point).map(|bond| weight[bond]).sum();
+                let mut total = own * (-self.weight[point] * pressure[point]);
+                for (owner, bond) in families.dual(point) {
+                    let push = self.weight[owner] * pressure[owner];
+                    total += elastic.signs(bond).component_mul(&weight[bond]) * push;
+                }
+                (0..D).for_each(|axis| result[axis] += scale * total[axis]);
+            });
+    }
+}

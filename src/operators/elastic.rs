@@ -1,0 +1,176 @@
+//! The linearised mechanical operator: strain energy of the nonlocal gradient plus an hourglass
+//! energy per displacement component (Eqs. 10, 11 and 58).
+//!
+//! With the bond differences d of one family the energy is
+//!
+//!   ½ V_i C:ε:ε + ½ h_i Σ_b ω V_j |d_b − H ξ_b|²,  h_i = 2 c μ_i V_i / m_i,
+//!
+//! where ε is the symmetric part of Σ_b d_b ⊗ w_b with the weights w of the strain gradient, and H
+//! the plain gradient. Adding up the families gives a symmetric matrix (Eq. 2).
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{Extension, Gradient, Neighbourhood};
+use crate::geometry::{Matrix, Vector};
+
+/// Lamé's constants of one point, Pa.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lame {
+    /// First constant λ.
+    pub lambda: f64,
+    /// Shear modulus μ.
+    pub mu: f64,
+}
+
+impl Lame {
+    /// Stress λ tr(ε) I + 2 μ ε of a strain (plane strain in 2-D), Pa.
+    pub fn stress<const D: usize>(self, strain: &Matrix<D>) -> Matrix<D> {
+        strain * (2.0 * self.mu) + Matrix::identity() * (self.lambda * strain.trace())
+    }
+}
+
+/// Elastic operator over one neighbourhood; every displacement component has its own continuation.
+#[derive(Debug, Clone)]
+pub struct Elastic<const D: usize> {
+    /// The families, without images beyond one-sided planes.
+    pub around: Arc<Neighbourhood<D>>,
+    /// Weights of the strain, divergence-consistent where the spacing varies.
+    pub gradient: Arc<Gradient<D>>,
+    /// Continuation of every displacement component.
+    pub extension: Vec<Extension<D>>,
+    /// Elastic constants per point, shape `(n,)`.
+    pub lame: Vec<Lame>,
+    plain: Arc<Gradient<D>>,
+    /// h per point, N/m⁴ in 3-D.
+    hourglass: Vec<f64>,
+}
+
+impl<const D: usize> Elastic<D> {
+    /// Operator with the hourglass modulus `hourglass` · μ; `gradient` is the plain one if `None`.
+    pub fn new(
+        around: Arc<Neighbourhood<D>>,
+        gradient: Option<Gradient<D>>,
+        extension: Vec<Extension<D>>,
+        lame: Vec<Lame>,
+        hourglass: f64,
+    ) -> Self {
+        let plain = Arc::new(Gradient::plain(&around));
+        let stiffness = |(i, lame): (usize, &Lame)| {
+            2.0 * hourglass * lame.mu * around.cloud.volume[i] / around.moment[i]
+        };
+        Elastic {
+            gradient: gradient.map_or_else(|| plain.clone(), Arc::new),
+            hourglass: lame.iter().enumerate().map(stiffness).collect(),
+            around,
+            extension,
+            lame,
+            plain,
+        }
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.around.len()
+    }
+
+    /// Signs with which the components of the displacement of a bond's end enter its difference.
+    pub fn signs(&self, bond: usize) -> Vector<D> {
+        let image = self.around.families.image(bond);
+        Vector::from_fn(|axis, _| self.extension[axis].sign(image))
+    }
+
+    /// Bond difference of a displacement field of shape `(n·D,)`, fixed walls at rest, m.
+    pub fn difference(&self, displacement: &[f64], owner: usize, bond: usize) -> Vector<D> {
+        let end = self.around.families.neighbour(bond);
+        let (from, to) = (
+            point_value(displacement, owner),
+            point_value(displacement, end),
+        );
+        self.signs(bond).component_mul(&to) - from
+    }
+
+    /// Displacement gradient of a point from its bond differences; rows are components.
+    pub fn gradient_of(&self, owner: usize, difference: impl Fn(usize) -> Vector<D>) -> Matrix<D> {
+        let family = self.around.families.family(owner);
+        let mut sum = Matrix::zeros();
+        for bond in family {
+            sum += difference(bond) * self.gradient.weight[bond].transpose();
+        }
+        sum
+    }
+
+    /// Forces on the ends of all bonds, shape `(bonds,)`, N; `difference(owner, bond)` in m.
+    pub fn bond_forces(
+        &self,
+        difference: impl Fn(usize, usize) -> Vector<D> + Sync,
+    ) -> Vec<Vector<D>> {
+        (0..self.points())
+            .into_par_iter()
+            .flat_map_iter(|owner| self.family_forces(owner, |bond| difference(owner, bond)))
+            .collect()
+    }
+
+    fn family_forces(
+        &self,
+        owner: usize,
+        difference: impl Fn(usize) -> Vector<D>,
+    ) -> Vec<Vector<D>> {
+        let around = &self.around;
+        let family = around.families.family(owner);
+        let slope = self.gradient_of(owner, &difference);
+        let strain = (slope + slope.transpose()) * 0.5;
+        let stress = self.lame[owner].stress(&strain) * around.cloud.volume[owner];
+        let mut plain = Matrix::zeros();
+        for bond in family.clone() {
+            plain += difference(bond) * self.plain.weight[bond].transpose();
+        }
+        let force = |bond: usize| {
+            let rest = difference(bond) - plain * around.bond_vector(owner, bond);
+            stress * self.gradient.weight[bond]
+                + rest * (self.hourglass[owner] * around.measure[bond])
+        };
+        family.map(force).collect()
+    }
+
+    /// Sums bond forces to the derivative of the energy at every point, shape `(n·D,)`, N.
+    pub fn gather(&self, forces: &[Vector<D>]) -> Vec<f64> {
+        let families = &self.around.families;
+        let at = |point: usize| {
+            let own: Vector<D> = families.family(point).map(|bond| forces[bond]).sum();
+            let dual: Vector<D> = families
+                .dual(point)
+                .map(|(_, bond)| self.signs(bond).component_mul(&forces[bond]))
+                .sum();
+            let total = dual - own;
+            (0..D).map(move |axis| total[axis]).collect::<Vec<f64>>()
+        };
+        (0..self.points())
+            .into_par_iter()
+            .flat_map_iter(at)
+            .collect()
+    }
+
+    /// K u without a matrix: slower than a product, the oracle of the assembled one.
+    pub fn force(&self, displacement: &[f64]) -> Vec<f64> {
+        self.gather(&self.bond_forces(|owner, bond| self.difference(displacement, owner, bond)))
+    }
+
+    /// Weights of the hourglass energy: the plain gradient and h.
+    pub(crate) fn hourglass(&self, owner: usize) -> (&Gradient<D>, f64) {
+        (&self.plain, self.hourglass[owner])
+    }
+
+    /// Bytes held beyond the neighbourhood.
+    pub fn bytes(&self) -> usize {
+        let shared = Arc::ptr_eq(&self.plain, &self.gradient);
+        let gradients = if shared { 1 } else { 2 } * self.plain.bytes();
+        gradients + 8 * self.hourglass.len() + size_of::<Lame>() * self.lame.len()
+    }
+}
+
+/// Components of a point in a field of shape `(n·D,)`.
+pub fn point_value<const D: usize>(field: &[f64], point: usize) -> Vector<D> {
+    Vector::from_fn(|axis, _| field[point * D + axis])
+}

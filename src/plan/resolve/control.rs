@@ -1,0 +1,113 @@
+//! How the run goes, what it writes, and what it is compared with.
+
+use crate::plan::types::{
+    Acceleration, Integrator, OutputPlan, Probe, Profile, ReferenceKind, ReferencePlan,
+    SchemeChoice, SchemeOptions, SolidMethod, StepRule, TimeMode, TimePlan,
+};
+use crate::scene::quantity::values;
+use crate::scene::{self, Spanned};
+
+pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
+    let steady = time.is_steady();
+    TimePlan {
+        mode: if steady {
+            TimeMode::Steady
+        } else {
+            TimeMode::Transient
+        },
+        end: time.end.filter(|_| !steady).map_or(0.0, |end| end.value()),
+        step: time
+            .step
+            .map_or(StepRule::Adaptive, |step| StepRule::Fixed(step.value())),
+        tolerance: time.tolerance.value(),
+        first_step: time.first_step.map(|step| step.value()),
+        max_step: time.max_step.map(|step| step.value()),
+        safety: time.safety.value(),
+        max_steps: usize::try_from(time.max_steps.value).unwrap_or(usize::MAX),
+    }
+}
+
+pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
+    let integrator = match scene.time.integrator {
+        scene::Integrator::TrBdf2 => Integrator::TrBdf2,
+        scene::Integrator::BackwardEuler => Integrator::BackwardEuler,
+    };
+    match scene.scheme.name.value {
+        scene::SchemeName::Explicit => SchemeChoice::Explicit,
+        scene::SchemeName::Implicit => SchemeChoice::Implicit(integrator),
+        scene::SchemeName::SemiImplicit => SchemeChoice::SemiImplicit(integrator),
+        scene::SchemeName::Staggered => SchemeChoice::Staggered(integrator),
+        scene::SchemeName::Monolithic => SchemeChoice::Monolithic(integrator),
+    }
+}
+
+pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
+    let count = |number: Spanned<u64>| usize::try_from(number.value).unwrap_or(usize::MAX);
+    SchemeOptions {
+        relaxation: scheme.relaxation.value(),
+        acceleration: match scheme.acceleration {
+            scene::Acceleration::Anderson => Acceleration::Anderson,
+            scene::Acceleration::Aitken => Acceleration::Aitken,
+            scene::Acceleration::None => Acceleration::None,
+        },
+        coupling_tolerance: scheme.coupling_tolerance.value(),
+        coupling_iterations: count(scheme.coupling_iterations),
+        solid: match scheme.solid {
+            scene::SolidMethod::Switched => SolidMethod::Switched,
+            scene::SolidMethod::Adr => SolidMethod::Adr,
+            scene::SolidMethod::Verlet => SolidMethod::Verlet,
+        },
+        adr_tolerance: scheme.adr_tolerance.value(),
+        adr_iterations: count(scheme.adr_iterations),
+        adr_smoothing: scheme.adr_smoothing.value(),
+    }
+}
+
+pub(super) fn output(output: &scene::Output, time: &scene::TimeControl) -> OutputPlan {
+    let end = time.end.map_or(0.0, |end| end.value());
+    let mut times = output
+        .times
+        .as_ref()
+        .map_or_else(Vec::new, |times| values(times));
+    if let Some(every) = output.every {
+        let count = (end / every.value() * (1.0 + 1e-12)).floor() as usize;
+        times = (1..=count).map(|k| k as f64 * every.value()).collect();
+    }
+    OutputPlan {
+        times,
+        vtu: output.vtu,
+        plots: output.plots,
+        probes: output
+            .probes
+            .iter()
+            .map(|entry| Probe {
+                name: entry.name.clone(),
+                at: values(&entry.value.at),
+            })
+            .collect(),
+        profiles: output
+            .profiles
+            .iter()
+            .map(|entry| Profile {
+                name: entry.name.clone(),
+                from: values(&entry.value.from),
+                to: values(&entry.value.to),
+                points: entry.value.points.value as usize,
+            })
+            .collect(),
+    }
+}
+
+pub(super) fn reference_plan(reference: &scene::Reference) -> ReferencePlan {
+    ReferencePlan {
+        kind: match reference.kind.value {
+            scene::ReferenceKind::FiveSpot => ReferenceKind::FiveSpot,
+            scene::ReferenceKind::TwoLayer => ReferenceKind::TwoLayer,
+            scene::ReferenceKind::Theis => ReferenceKind::Theis,
+            scene::ReferenceKind::Manufactured => ReferenceKind::Manufactured,
+            scene::ReferenceKind::Terzaghi => ReferenceKind::Terzaghi,
+            scene::ReferenceKind::Mandel => ReferenceKind::Mandel,
+        },
+        exclude: reference.exclude.map(|radius| radius.value()),
+    }
+}

@@ -1,0 +1,64 @@
+//! Flow and what drives it.
+
+use crate::plan::types::{
+    FlowPlan, GradientChoice, GravityPlan, OperatorChoice, RegionPressure, SideCondition, WellPlan,
+};
+use crate::scene::quantity::values;
+use crate::scene::{self, Condition};
+
+pub(super) fn flow_plan(flow: &scene::Flow) -> FlowPlan {
+    let mut sides = vec![SideCondition::Sealed; 6];
+    for (side, condition) in flow.boundary.iter() {
+        sides[side.resolved().index()] = match &condition.value {
+            Condition::Sealed(_) => SideCondition::Sealed,
+            Condition::Flux(flux) => SideCondition::Flux(flux.flux.resolved()),
+            Condition::Pressure(pressure) => SideCondition::Pressure {
+                value: pressure.pressure.resolved(),
+                hydrostatic: pressure.hydrostatic.value,
+            },
+        };
+    }
+    FlowPlan {
+        operator: match flow.operator {
+            scene::Operator::Correspondence => OperatorChoice::Correspondence,
+            scene::Operator::Bond => OperatorChoice::Bond,
+        },
+        hourglass: flow.hourglass.value(),
+        gradient: gradient(flow.gradient.value),
+        initial_pressure: flow.initial_pressure.value(),
+        hydrostatic_start: flow.hydrostatic_start.value,
+        sides,
+        regions: flow
+            .regions
+            .iter()
+            .map(|region| RegionPressure {
+                region: region.region.resolved(),
+                pressure: region.pressure.resolved(),
+            })
+            .collect(),
+    }
+}
+
+pub(super) fn gradient(gradient: scene::Gradient) -> GradientChoice {
+    match gradient {
+        scene::Gradient::Auto => GradientChoice::Auto,
+        scene::Gradient::Plain => GradientChoice::Plain,
+        scene::Gradient::DivergenceConsistent => GradientChoice::DivergenceConsistent,
+    }
+}
+
+pub(super) fn gravity(gravity: &scene::Gravity) -> GravityPlan {
+    GravityPlan {
+        acceleration: values(&gravity.acceleration),
+    }
+}
+
+pub(super) fn wells(scene: &scene::Scene) -> Vec<WellPlan> {
+    let well = |entry: &scene::Entry<scene::Well>| WellPlan {
+        name: entry.name.clone(),
+        at: values(&entry.value.at),
+        rate: entry.value.rate.resolved(),
+        radius: entry.value.radius.map(|radius| radius.value()),
+    };
+    scene.wells.iter().map(well).collect()
+}

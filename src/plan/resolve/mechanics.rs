@@ -1,0 +1,76 @@
+//! Deformation of the rock, and what holds and loads it.
+
+use super::Resolver;
+use super::flow::gradient;
+use crate::load::Load;
+use crate::plan::types::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
+use crate::scene::quantity::{Dimension, values};
+use crate::scene::{self, Coupling, Mechanics};
+
+impl Resolver<'_> {
+    /// The deformation in a domain of `dimension` axes.
+    pub(super) fn mechanics(
+        &mut self,
+        mechanics: &Mechanics,
+        dimension: usize,
+    ) -> Option<MechanicsPlan> {
+        if let Some(force) = &mechanics.body_force
+            && force.len() != dimension
+        {
+            // Points from a file tell the dimension only now.
+            let found = force.len();
+            let message = format!("`body_force` needs {dimension} components, found {found}");
+            return self.fault(force.span, message);
+        }
+        let mut sides = vec![Support::Free; 6];
+        for (side, typed) in mechanics.boundary.iter() {
+            sides[side.resolved().index()] = support(&typed.value, dimension);
+        }
+        Some(MechanicsPlan {
+            inertia: mechanics.is_dynamic(),
+            hourglass: mechanics.hourglass.value(),
+            gradient: gradient(mechanics.gradient.value),
+            body_force: mechanics.body_force.as_ref().map(|force| values(force)),
+            initial_stress: mechanics
+                .initial_stress
+                .as_ref()
+                .map(|stress| stress.resolved()),
+            sides,
+            loads: mechanics.loads.iter().map(traction).collect(),
+        })
+    }
+}
+
+pub(super) fn coupling(coupling: &Coupling) -> CouplingPlan {
+    CouplingPlan {
+        undrained_start: coupling.undrained_start,
+    }
+}
+
+fn support(support: &scene::Support, dimension: usize) -> Support {
+    let zero = Load::constant(0.0);
+    match support {
+        scene::Support::Free { .. } => Support::Free,
+        scene::Support::Clamped { .. } => Support::Prescribed(vec![zero; dimension]),
+        scene::Support::Roller { .. } => Support::Roller(zero),
+        scene::Support::Traction { traction } => Support::Traction(loads(traction)),
+        scene::Support::Displacement { displacement } => Support::Prescribed(loads(displacement)),
+        scene::Support::NormalDisplacement {
+            normal_displacement,
+        } => Support::Roller(normal_displacement.resolved()),
+        scene::Support::Plate { plate } => Support::Plate(plate.resolved()),
+    }
+}
+
+fn traction(entry: &scene::Entry<scene::TractionLoad>) -> TractionPlan {
+    TractionPlan {
+        name: entry.name.clone(),
+        side: entry.value.side.resolved(),
+        region: entry.value.region.as_ref().map(|region| region.resolved()),
+        traction: loads(&entry.value.traction),
+    }
+}
+
+fn loads<D: Dimension>(loads: &[scene::Load<D>]) -> Vec<Load> {
+    loads.iter().map(scene::Load::resolved).collect()
+}

@@ -1,0 +1,162 @@
+//! Scene → plan: SI numbers, files read, solver parsed. Rules that need only the scene are checked
+//! there; here are those that need a file or another crate.
+
+mod control;
+mod flow;
+mod geometry;
+mod materials;
+mod mechanics;
+#[cfg(test)]
+mod tests;
+
+use perifrac_solvers::SolverSpec;
+
+use super::types::{MaterialPlan, Plan, SideCondition};
+use crate::geometry::Side;
+use crate::scene::{Diagnostic, LoadedScene, SceneErrors, Span};
+
+/// Resolves a loaded scene; `case` is its name in reports.
+///
+/// # Errors
+/// [`SceneErrors`] with the place in the scene: files that cannot be used, a spacing that does not
+/// divide the domain, an unknown solver, a reference that does not fit.
+pub fn resolve(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors> {
+    let mut faults = Vec::new();
+    let plan = Resolver {
+        loaded,
+        faults: &mut faults,
+    }
+    .plan(case);
+    match plan {
+        Some(plan) if faults.is_empty() => Ok(plan),
+        _ => Err(loaded.errors(faults)),
+    }
+}
+
+struct Resolver<'a> {
+    loaded: &'a LoadedScene,
+    faults: &'a mut Vec<Diagnostic>,
+}
+
+impl Resolver<'_> {
+    fn fault<T>(&mut self, place: Span, message: impl ToString) -> Option<T> {
+        self.faults
+            .push(Diagnostic::new(message.to_string()).at(place));
+        None
+    }
+
+    fn plan(&mut self, case: &str) -> Option<Plan> {
+        let scene = &self.loaded.scene;
+        let geometry = self.geometry();
+        let materials: Vec<Option<MaterialPlan>> = scene
+            .materials
+            .iter()
+            .map(|entry| self.material(&entry.name, &entry.value))
+            .collect();
+        let solver = self.solver();
+        let geometry = geometry?;
+        let dimension = geometry.dimension();
+        let mechanics = match &scene.mechanics {
+            Some(typed) => Some(self.mechanics(typed, dimension)?),
+            None => None,
+        };
+        let mut plan = Plan {
+            case: case.to_owned(),
+            title: scene.title.clone(),
+            dimension,
+            geometry,
+            horizon: geometry::horizon(&scene.horizon),
+            influence: geometry::influence(scene.horizon.influence),
+            materials: materials.into_iter().collect::<Option<_>>()?,
+            fluid: materials::fluid(scene),
+            flow: scene.flow.as_deref().map(flow::flow_plan),
+            mechanics,
+            coupling: scene.coupling.as_deref().map(mechanics::coupling),
+            gravity: scene.gravity.as_deref().map(flow::gravity),
+            wells: flow::wells(scene),
+            time: control::time(&scene.time),
+            scheme: control::scheme(scene),
+            scheme_options: control::scheme_options(&scene.scheme),
+            solver: solver?,
+            output: control::output(&scene.output, &scene.time),
+            reference: scene.reference.as_deref().map(control::reference_plan),
+            warnings: Vec::new(),
+        };
+        self.check_reference(&plan);
+        self.check_planes(&plan);
+        plan.warnings = warnings(&plan);
+        Some(plan)
+    }
+
+    fn solver(&mut self) -> Option<SolverSpec> {
+        let name = &self.loaded.scene.solver.name;
+        match name.value.parse() {
+            Ok(spec) => Some(spec),
+            Err(error) => self.fault::<SolverSpec>(name.span, error),
+        }
+    }
+
+    /// A cloud without planes has no sides to put conditions on.
+    fn check_planes(&mut self, plan: &Plan) {
+        if plan.geometry.bounds().is_some() {
+            return;
+        }
+        let scene = &self.loaded.scene;
+        let needs = "a cloud from a file has sides only with geometry.bounds; give the bounds";
+        if let Some(flow) = &scene.flow {
+            for (_, condition) in flow.boundary.iter() {
+                let message = format!("{needs}, or prescribe pressures on flow.regions");
+                self.fault::<()>(condition.span, message);
+            }
+        }
+        if let Some(mechanics) = &scene.mechanics {
+            for (_, support) in mechanics.boundary.iter() {
+                self.fault::<()>(support.span, needs);
+            }
+            for load in &mechanics.loads {
+                self.fault::<()>(load.value.side.span, needs);
+            }
+        }
+    }
+
+    fn check_reference(&mut self, plan: &Plan) {
+        if let (Err(message), Some(reference)) = (
+            super::exact::exact_pressure(plan),
+            &self.loaded.scene.reference,
+        ) {
+            self.fault::<()>(reference.kind.span, message);
+        }
+    }
+}
+
+/// Doubts about the plan that do not stop it.
+fn warnings(plan: &Plan) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else {
+        return warnings;
+    };
+    for side in Side::all(plan.dimension) {
+        let along = |axis: &usize| *axis != side.axis && gravity.acceleration[*axis] != 0.0;
+        let uniform = SideCondition::Pressure {
+            value: crate::load::Load::constant(0.0),
+            hydrostatic: false,
+        };
+        let is_uniform = std::mem::discriminant(&flow.sides[side.index()])
+            == std::mem::discriminant(&uniform)
+            && !matches!(
+                flow.sides[side.index()],
+                SideCondition::Pressure {
+                    hydrostatic: true,
+                    ..
+                }
+            );
+        if is_uniform && (0..plan.dimension).any(|axis| along(&axis)) {
+            warnings.push(format!(
+                "the pressure on side {side} is uniform although gravity acts along it: fluid will \
+                 seep through it, and the layer of one horizon next to it is first-order accurate; \
+                 hydrostatic = true gives a state of rest"
+            ));
+        }
+    }
+    warnings
+}

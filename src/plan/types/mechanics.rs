@@ -1,0 +1,67 @@
+//! What a plan says about the deformation of the rock.
+
+use super::{GradientChoice, Load};
+use crate::geometry::{Shape, Side};
+
+/// Linear elastic deformation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MechanicsPlan {
+    /// Whether mass resists; forces balance at all times otherwise.
+    pub inertia: bool,
+    /// Hourglass coefficient, in units of the shear modulus.
+    pub hourglass: f64,
+    /// Which gradient the displacement gets.
+    pub gradient: GradientChoice,
+    /// Force per volume in addition to gravity, N/m³, one component per axis.
+    pub body_force: Option<Vec<f64>>,
+    /// Effective stress before the run, Pa, tension positive: xx, yy, zz, xy, yz, xz.
+    pub initial_stress: Option<[f64; 6]>,
+    /// What holds on the sides: six entries, in the order of [`Side::index`].
+    pub sides: Vec<Support>,
+    /// Loads on parts of sides, in the scene's order.
+    pub loads: Vec<TractionPlan>,
+}
+
+impl MechanicsPlan {
+    /// Whether the gradient is made divergence-consistent on a cloud that is irregular or not and
+    /// has planes or not.
+    pub fn corrects_gradient(&self, irregular: bool, planes: bool) -> bool {
+        self.gradient.corrects(irregular, planes)
+    }
+}
+
+/// Mechanical condition on a side.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Support {
+    /// No force.
+    Free,
+    /// Force per area on the body along the axes, Pa.
+    Traction(Vec<Load>),
+    /// Displacement along the positive axis normal to the side, m; no force along the side.
+    Roller(Load),
+    /// Displacement along the axes, m.
+    Prescribed(Vec<Load>),
+    /// Rigid plate without friction: one normal displacement for the whole side. Resultant force
+    /// on the body along the positive axis, N (N/m per metre of thickness in 2-D).
+    Plate(Load),
+}
+
+/// A force per area on a part of a side, in addition to the side's own traction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TractionPlan {
+    /// Name in the scene.
+    pub name: String,
+    /// The side.
+    pub side: Side,
+    /// Which part of it; `None` for all.
+    pub region: Option<Shape>,
+    /// Force per area on the body along the axes, Pa.
+    pub traction: Vec<Load>,
+}
+
+/// The two ways between pressure and strain (Biot).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CouplingPlan {
+    /// Whether the run starts from the undrained answer to the first loads.
+    pub undrained_start: bool,
+}

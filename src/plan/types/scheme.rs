@@ -1,0 +1,113 @@
+//! What a plan says about how steps are taken.
+
+use serde::Serialize;
+
+/// Time scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SchemeChoice {
+    /// Forward Euler.
+    Explicit,
+    /// Implicit, with the given integrator.
+    Implicit(Integrator),
+    /// Implicit pressure, with the given integrator; the solid moves without a linear system.
+    SemiImplicit(Integrator),
+    /// Implicit fields in turns until they agree (Eq. 72), with the given integrator.
+    Staggered(Integrator),
+    /// Implicit, one system for all fields, with the given integrator.
+    Monolithic(Integrator),
+}
+
+impl SchemeChoice {
+    /// Name as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            SchemeChoice::Explicit => "explicit",
+            SchemeChoice::Implicit(_) => "implicit",
+            SchemeChoice::SemiImplicit(_) => "semi-implicit",
+            SchemeChoice::Staggered(_) => "staggered",
+            SchemeChoice::Monolithic(_) => "monolithic",
+        }
+    }
+
+    /// Whether flow and mechanics agree at the end of every step.
+    pub fn is_coupled_tightly(self) -> bool {
+        !matches!(self, SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_))
+    }
+
+    /// Integrator of the linear systems; `None` without any.
+    pub fn integrator(self) -> Option<Integrator> {
+        match self {
+            SchemeChoice::Explicit => None,
+            SchemeChoice::Implicit(integrator)
+            | SchemeChoice::SemiImplicit(integrator)
+            | SchemeChoice::Staggered(integrator)
+            | SchemeChoice::Monolithic(integrator) => Some(integrator),
+        }
+    }
+}
+
+/// Implicit integrators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// Backward Euler.
+    BackwardEuler,
+    /// Trapezoidal rule and second backward difference.
+    TrBdf2,
+}
+
+impl Integrator {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Integrator::BackwardEuler => "backward-euler",
+            Integrator::TrBdf2 => "tr-bdf2",
+        }
+    }
+}
+
+/// Settings of the schemes that join fields or move the solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SchemeOptions {
+    /// Factor of the fixed-stress term; 0 is the form of the paper (Eq. 72).
+    pub relaxation: f64,
+    /// How the iterations between flow and mechanics are sped up.
+    pub acceleration: Acceleration,
+    /// Relative change at which those iterations end.
+    pub coupling_tolerance: f64,
+    /// Largest number of those iterations in a step.
+    pub coupling_iterations: usize,
+    /// How the solid moves where it has no linear system.
+    pub solid: SolidMethod,
+    /// Relative imbalance of forces at which dynamic relaxation ends.
+    pub adr_tolerance: f64,
+    /// Largest number of iterations of dynamic relaxation in a step.
+    pub adr_iterations: usize,
+    /// Weight of the newest damping in dynamic relaxation, above 0, up to 1.
+    pub adr_smoothing: f64,
+}
+
+/// Accelerations of the iterations between flow and mechanics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Acceleration {
+    /// Combines the last few iterates.
+    Anderson,
+    /// Scales the last change.
+    Aitken,
+    /// Takes the iterates as they are.
+    None,
+}
+
+/// Ways to move the solid without a linear system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolidMethod {
+    /// Dynamic relaxation at rest, velocity Verlet in motion.
+    Switched,
+    /// Adaptive dynamic relaxation.
+    Adr,
+    /// Velocity Verlet.
+    Verlet,
+}

@@ -1,0 +1,252 @@
+//! The end of a run: errors against the exact solution, counters, summary.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use super::time_loop::{Effort, Run};
+use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
+use crate::geometry::Side;
+use crate::model::FlowModel;
+use crate::plan::{ReferenceKind, TimeMode, exact_displacement, exact_flux, exact_pressure};
+use crate::reference::{ErrorNorms, ExactDisplacement};
+use crate::report::Counters;
+use crate::schemes::{SchemeCounters, State};
+
+/// Mass balance, relative to the turnover, that is worth a warning.
+const POOR_BALANCE: f64 = 1e-8;
+/// Rate of storage, relative to all rates, below which a transient counts as settled.
+const SETTLED: f64 = 1e-4;
+/// Coupling safety factor of Eq. 71.
+const COUPLING_SAFETY: f64 = 0.5;
+
+impl<const D: usize> Run<'_, D> {
+    pub(super) fn finish(
+        mut self,
+        (counters, solver, limit): Effort,
+        wall: f64,
+    ) -> Result<(Summary, State), RunError> {
+        self.warn_of_imbalance();
+        let model = &self.model;
+        let flow = model.flow.as_ref();
+        let solid = model.solid.as_ref();
+        let around = match (flow, solid) {
+            (Some(flow), _) => Some(flow.operator.neighbourhood()),
+            (None, solid) => solid.map(|solid| &*solid.elastic.around),
+        };
+        let prescribed = flow.map_or(0, |flow| flow.fixed.len());
+        let mut summary = Summary {
+            case: self.plan.case.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            scheme: self.scheme_name.clone(),
+            solver: solver.as_ref().map(|(name, _)| name.clone()),
+            solver_reason: solver.map(|(_, reason)| reason),
+            operator: flow.map_or("none", |flow| flow.operator.name()),
+            dimension: D,
+            points: model.cloud.len(),
+            unknowns: flow.map_or(0, FlowModel::points) - prescribed
+                + solid.map_or(0, |solid| solid.unknowns()),
+            bonds: around.map_or(0, |around| around.families.bonds()),
+            nonzeros: flow.map_or(0, |flow| flow.pattern.nonzeros())
+                + solid.map_or(0, |solid| solid.stiffness.nnz()),
+            second_hops: flow.map_or(0, |flow| flow.operator.second_hops()),
+            steps: self.steps,
+            rejected: self.rejected,
+            wall_s: wall,
+            t_end: self.state.time,
+            limit,
+            errors: self.errors(),
+            errors_over_time: self.timed_errors.clone(),
+            outflow: self.outflow().unwrap_or_default(),
+            pressure_range: flow.map(|_| extremes(&self.state.pressure)),
+            displacement_max: solid.map(|_| largest::<D>(&self.state.displacement)),
+            coupling: self.coupling(&counters),
+            balance: self.balance.clone(),
+            consistency: flow
+                .and_then(|flow| flow.consistency)
+                .or(solid.and_then(|solid| solid.consistency)),
+            counters: self.counters(counters),
+            timers: self.timers.clone(),
+            warnings: self.warnings.clone(),
+        };
+        if let Some(writer) = &mut self.writer {
+            let start = Instant::now();
+            writer.finish(self.plan, &self.model, &self.state)?;
+            summary.timers.add("plots", start.elapsed().as_secs_f64());
+            summary.wall_s += start.elapsed().as_secs_f64();
+            writer.summary(&summary)?;
+        }
+        Ok((summary, self.state))
+    }
+
+    /// A balance this poor means that the linear systems are beyond what double precision resolves.
+    fn warn_of_imbalance(&mut self) {
+        let mass = self.balance.mass;
+        if mass <= POOR_BALANCE {
+            return;
+        }
+        let lagged = !self.plan.scheme.is_coupled_tightly() && self.model.coupling.is_some();
+        let message = match lagged {
+            true => format!(
+                "mass is balanced to {mass:.1e} of the turnover: strain lags behind the pressure in \
+                 this scheme; smaller steps or --scheme staggered balance better"
+            ),
+            false => format!(
+                "mass is balanced to {mass:.1e} of the turnover only: the permeability contrast \
+                 leaves the pressure too few digits; trust the pressure, not the side rates"
+            ),
+        };
+        self.observer.warn(&message);
+        self.warnings.push(message);
+    }
+
+    /// Rate of outflow per side now, m^D/s.
+    fn outflow(&self) -> Option<BTreeMap<&'static str, f64>> {
+        let flow = self.model.flow.as_ref()?;
+        let rates = flow.outflow(&self.state.pressure, self.state.time);
+        Some(
+            Side::all(D)
+                .map(|side| (side.name(), rates[side.index()]))
+                .collect(),
+        )
+    }
+
+    /// Keeps the errors at this output.
+    pub(super) fn record_errors(&mut self) {
+        let errors = self.errors();
+        if !errors.is_empty() {
+            let time = self.state.time;
+            self.timed_errors.push(TimedErrors { time, errors });
+        }
+    }
+
+    /// Errors of all fields of which the plan names an exact solution, now.
+    fn errors(&self) -> BTreeMap<&'static str, FieldError> {
+        let mut errors = BTreeMap::new();
+        let Ok(Some(exact)) = exact_pressure(self.plan) else {
+            return errors;
+        };
+        let cloud = &self.model.cloud;
+        let steady = self.plan.time.mode == TimeMode::Steady;
+        if exact.steady_only() && !steady && !self.is_settled() {
+            return errors;
+        }
+        let manufactured = self
+            .plan
+            .reference
+            .is_some_and(|r| r.kind == ReferenceKind::Manufactured);
+        let time = if steady && !manufactured {
+            f64::INFINITY
+        } else {
+            self.state.time
+        };
+        let positions = cloud.position.iter().map(|x| x.as_slice());
+        let (volume, pressure) = (&cloud.volume, &self.state.pressure);
+        if let Ok(norms) = ErrorNorms::against(&*exact, time, positions, volume, pressure) {
+            errors.insert("pressure", norms.into());
+        }
+        if let (Ok(Some(exact)), Some(_)) = (exact_displacement(self.plan), &self.model.solid) {
+            errors.extend(
+                self.displacement_error(&*exact, time)
+                    .map(|e| ("displacement", e)),
+            );
+        }
+        if steady {
+            errors.extend(self.flux_error().map(|e| ("flux", e)));
+        }
+        errors
+    }
+
+    /// Error of all components of the displacement together.
+    fn displacement_error(&self, exact: &dyn ExactDisplacement, time: f64) -> Option<FieldError> {
+        let cloud = &self.model.cloud;
+        let exact: Vec<f64> = cloud
+            .position
+            .iter()
+            .flat_map(|x| exact.displacement(x.as_slice(), time))
+            .collect();
+        let volume: Vec<f64> = cloud.volume.iter().flat_map(|v| [*v; D]).collect();
+        let norms = ErrorNorms::compare(&self.state.displacement, &exact, &volume, &[]).ok()?;
+        Some(norms.into())
+    }
+
+    fn flux_error(&self) -> Option<FieldError> {
+        let exact = exact_flux(self.plan)?;
+        let right = self.outflow()?.get("right").copied()?;
+        let error = (right - exact).abs() / exact.abs();
+        Some(FieldError {
+            l2: error,
+            l2_over_norm: error,
+            max: error,
+            range: exact.abs(),
+            compared: 1,
+            excluded: 0,
+        })
+    }
+
+    /// Whether storage takes up next to nothing any more, so that a steady solution may be compared.
+    fn is_settled(&self) -> bool {
+        let (Some(flow), state) = (&self.model.flow, &self.state) else {
+            return true;
+        };
+        let mut imbalance = vec![0.0; state.pressure.len()];
+        flow.imbalance(state.time, &state.pressure, &mut imbalance);
+        let taken: f64 = imbalance.iter().map(|rate| rate.abs()).sum();
+        taken <= SETTLED * flow.flows(&state.pressure, state.time).gross
+    }
+
+    /// How strongly flow and mechanics feel each other.
+    fn coupling(&self, counters: &SchemeCounters) -> Option<CouplingReport> {
+        let (flow, coupling) = (self.model.flow.as_ref()?, self.model.coupling.as_ref()?);
+        let cloud = &self.model.cloud;
+        let storage = |i: usize| flow.capacity[i] + coupling.oedometric[i];
+        let diffusivity = |i: usize| flow.mobility[i] * cloud.volume[i] / storage(i);
+        let limit = |i: usize| COUPLING_SAFETY * cloud.spacing(i).powi(2) / diffusivity(i);
+        Some(CouplingReport {
+            strength: coupling.strength(&flow.capacity),
+            consolidation: (0..cloud.len()).map(diffusivity).fold(0.0, f64::max),
+            step_limit: (0..cloud.len()).map(limit).fold(f64::INFINITY, f64::min),
+            passes: counters.coupling_iterations,
+            contraction: counters.contraction,
+        })
+    }
+
+    fn counters(&self, scheme: SchemeCounters) -> Counters {
+        let model = &self.model;
+        let flow = model.flow.iter().flat_map(|flow| &flow.effects);
+        let solid = model.solid.iter().flat_map(|solid| &solid.effects);
+        let mut evaluations = BTreeMap::new();
+        for effect in flow.chain(solid) {
+            *evaluations.entry(effect.effect().name()).or_insert(0) += effect.evaluations();
+        }
+        Counters {
+            steps: self.steps,
+            rejected: self.rejected,
+            operator_products: scheme.products,
+            refills: model.flow.as_ref().map_or(0, |flow| flow.refills),
+            stiffness_refills: model.solid.as_ref().map_or(0, |solid| solid.refills),
+            solver: scheme.solver,
+            mechanics: scheme.mechanics,
+            newton_iterations: scheme.newton_iterations,
+            coupling_iterations: scheme.coupling_iterations,
+            relaxation_iterations: scheme.relaxation_iterations,
+            single_steps: scheme.single_steps,
+            evaluations,
+            field_bytes: self.state.fields().into_iter().collect(),
+            bytes: model.bytes().into_iter().collect(),
+        }
+    }
+}
+
+/// Smallest and largest value.
+pub(super) fn extremes(values: &[f64]) -> [f64; 2] {
+    let start = [f64::INFINITY, f64::NEG_INFINITY];
+    values
+        .iter()
+        .fold(start, |[low, high], &v| [low.min(v), high.max(v)])
+}
+
+/// Largest length of a vector field.
+pub(super) fn largest<const D: usize>(field: &[f64]) -> f64 {
+    let length = |v: &[f64]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    field.chunks(D).map(length).fold(0.0, f64::max)
+}

@@ -1,0 +1,39 @@
+//! `[coupling]`: the pressure strains the rock, and the strain stores fluid (Biot).
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::scene::diagnostics::Diagnostic;
+use crate::scene::span::Span;
+use crate::scene::validate::{Context, Report, Section};
+
+/// The two ways between pressure and strain (Biot). Needs `[flow]` and `[mechanics]`.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Coupling {
+    /// Starts from the answer to the first loads before any fluid has moved.
+    pub undrained_start: bool,
+}
+
+impl Default for Coupling {
+    fn default() -> Self {
+        Self {
+            undrained_start: true,
+        }
+    }
+}
+
+impl Section for Coupling {
+    const NAME: &'static str = "coupling";
+
+    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+        let missing = [
+            ("[flow]", scene.has(&scene.draft.flow)),
+            ("[mechanics]", scene.has(&scene.draft.mechanics)),
+        ];
+        for (section, _) in missing.iter().filter(|(_, typed)| !typed) {
+            let fault = Diagnostic::new(format!("[coupling] needs {section}")).at(place);
+            report.add(fault.help(format!("add {section}, or leave [coupling] out")));
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Which scheme a plan gets: one place where names, effects and schemes meet.
+
+use super::{
+    Assembled, FlowStage, ForwardEuler, Implicit, ImplicitSystem, Monolithic, QuasiStatic,
+    Relaxation, Scheme, SolidSolver, Staggered, StepError, Verlet, coupling_of, flow_of, solid_of,
+};
+use crate::model::{Drive, Model};
+use crate::plan::{Integrator, Plan, SchemeChoice, StepRule};
+
+/// Builds the scheme of the plan.
+///
+/// Without mechanics there is nothing to couple: every implicit scheme is the implicit flow scheme.
+/// Without flow every implicit scheme solves for equilibrium, every explicit one relaxes to it.
+///
+/// # Errors
+/// [`StepError::Refused`] if the scheme cannot run the scene; [`StepError`] if the solver cannot be
+/// built.
+pub fn build<const D: usize>(
+    plan: &Plan,
+    model: &Model<D>,
+) -> Result<Box<dyn Scheme<D>>, StepError> {
+    if plan
+        .mechanics
+        .as_ref()
+        .is_some_and(|mechanics| mechanics.inertia)
+    {
+        return dynamic(plan, model);
+    }
+    match (&model.flow, &model.solid) {
+        (Some(_), None) => flow_alone(plan, model),
+        (None, _) => Ok(Box::new(QuasiStatic::new(solid_alone(plan, model)?))),
+        (Some(_), Some(_)) => coupled(plan, model),
+    }
+}
+
+fn flow_alone<const D: usize>(
+    plan: &Plan,
+    model: &Model<D>,
+) -> Result<Box<dyn Scheme<D>>, StepError> {
+    let Some(integrator) = plan.scheme.integrator() else {
+        return Ok(Box::new(ForwardEuler::new(model)?));
+    };
+    let stage = FlowStage::new(&plan.solver, flow_of(model)?)?;
+    Ok(Box::new(Implicit::new(
+        integrator,
+        Box::new(stage),
+        adaptive(plan),
+    )))
+}
+
+/// Whether step control asks for error estimates.
+fn adaptive(plan: &Plan) -> bool {
+    plan.time.step == StepRule::Adaptive
+}
+
+fn solid_alone<const D: usize>(
+    plan: &Plan,
+    model: &Model<D>,
+) -> Result<Box<dyn SolidSolver<D>>, StepError> {
+    Ok(match plan.scheme {
+        SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_) => {
+            Box::new(Relaxation::new(plan.scheme_options))
+        }
+        _ => Box::new(Assembled::new(&plan.solver, solid_of(model)?)?),
+    })
+}
+
+fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Scheme<D>>, StepError> {
+    let options = plan.scheme_options;
+    let parts = (flow_of(model)?, coupling_of(model)?);
+    let flow = || ImplicitSystem::new(&plan.solver, parts.0);
+    Ok(match plan.scheme {
+        SchemeChoice::Explicit => {
+            let solid = Box::new(Relaxation::new(options));
+            Box::new(ForwardEuler::coupled(model, solid, &options)?)
+        }
+        SchemeChoice::SemiImplicit(integrator) => {
+            let solid = Box::new(Relaxation::new(options));
+            let stage = Staggered::lagged(flow()?, solid, parts, options);
+            Box::new(Implicit::new(integrator, Box::new(stage), adaptive(plan)))
+        }
+        SchemeChoice::Staggered(integrator) => {
+            let solid = Box::new(Assembled::new(&plan.solver, solid_of(model)?)?);
+            let stage = Staggered::iterated(flow()?, solid, parts, options);
+            Box::new(Implicit::new(integrator, Box::new(stage), adaptive(plan)))
+        }
+        SchemeChoice::Implicit(integrator) | SchemeChoice::Monolithic(integrator) => {
+            let stage = Monolithic::new(&plan.solver, model)?;
+            Box::new(Implicit::new(integrator, Box::new(stage), adaptive(plan)))
+        }
+    })
+}
+
+fn dynamic<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Scheme<D>>, StepError> {
+    let refused = |reason| {
+        Err(StepError::Refused {
+            scheme: plan.scheme.name(),
+            reason,
+        })
+    };
+    let plate = |wall: &crate::model::MovingWall| matches!(wall.drive, Drive::Force(_));
+    if solid_of(model)?.walls.iter().any(plate) {
+        return refused("a rigid plate has no mass; use mechanics.mode = \"quasi-static\"");
+    }
+    match (plan.scheme, &model.flow) {
+        (SchemeChoice::Explicit, _) | (SchemeChoice::SemiImplicit(_), None) => {
+            Ok(Box::new(Verlet::new(model, None)?))
+        }
+        (SchemeChoice::SemiImplicit(Integrator::BackwardEuler), Some(flow)) => {
+            let system = ImplicitSystem::new(&plan.solver, flow)?;
+            Ok(Box::new(Verlet::new(model, Some(system))?))
+        }
+        (SchemeChoice::SemiImplicit(Integrator::TrBdf2), Some(_)) => refused(
+            "dynamics take the pressure by backward Euler; set time.integrator = \"backward-euler\"",
+        ),
+        _ => refused("it has no inertia; use explicit or semi-implicit, or quasi-static mechanics"),
+    }
+}

@@ -1,0 +1,151 @@
+//! Acceleration of the passes between flow and mechanics.
+
+use nalgebra::{DMatrix, DVector};
+use perifrac_solvers::dot;
+
+use crate::plan::Acceleration;
+
+/// Pressure change and strain content of one pass.
+#[derive(Debug, Clone)]
+pub struct Guess {
+    /// Pa, shape `(n,)`.
+    pub pressure: Vec<f64>,
+    /// Pore volume gained by strain, m^D, shape `(n,)`.
+    pub content: Vec<f64>,
+}
+
+impl Guess {
+    /// No change at all.
+    pub fn none(points: usize) -> Self {
+        Guess {
+            pressure: vec![0.0; points],
+            content: vec![0.0; points],
+        }
+    }
+}
+
+/// Passes that Anderson's method remembers.
+const DEPTH: usize = 5;
+
+/// Chooses the next guess from those before: the content mixes like the pressure, because the solid
+/// is linear in it.
+pub struct Mixer {
+    kind: Acceleration,
+    /// Guesses and what they led to, the newest last.
+    past: Vec<(Guess, Guess)>,
+    /// Aitken's factor.
+    factor: f64,
+}
+
+impl Mixer {
+    /// Nothing remembered yet.
+    pub fn new(kind: Acceleration) -> Self {
+        Mixer {
+            kind,
+            past: Vec::new(),
+            factor: 1.0,
+        }
+    }
+
+    /// The next guess after `guess` led to `found`; `weight` (shape `(n,)`) is the norm's.
+    pub fn next(&mut self, guess: Guess, found: Guess, weight: &[f64]) -> Guess {
+        if self.kind == Acceleration::None {
+            return found;
+        }
+        let depth = if self.kind == Acceleration::Aitken {
+            2
+        } else {
+            DEPTH
+        };
+        self.past.push((guess, found));
+        if self.past.len() > depth {
+            self.past.remove(0);
+        }
+        match self.kind {
+            Acceleration::Aitken => self.aitken(weight),
+            _ => self.anderson(weight),
+        }
+    }
+
+    /// Change that pass `k` made to the pressure.
+    fn residual(&self, k: usize) -> Vec<f64> {
+        let (guess, found) = &self.past[k];
+        found
+            .pressure
+            .iter()
+            .zip(&guess.pressure)
+            .map(|(f, g)| f - g)
+            .collect()
+    }
+
+    fn aitken(&mut self, weight: &[f64]) -> Guess {
+        let last = self.past.len() - 1;
+        if last > 0 {
+            let (before, now) = (self.residual(last - 1), self.residual(last));
+            let change: Vec<f64> = now.iter().zip(&before).map(|(n, b)| n - b).collect();
+            let inner = |a: &[f64], b: &[f64]| {
+                let weighted: Vec<f64> = a.iter().zip(weight).map(|(a, w)| a * w).collect();
+                dot(&weighted, b)
+            };
+            let size = inner(&change, &change);
+            if size > 0.0 {
+                self.factor = (-self.factor * inner(&before, &change) / size).clamp(0.05, 20.0);
+            }
+        }
+        let (guess, found) = &self.past[last];
+        mix(&[(1.0 - self.factor, guess), (self.factor, found)])
+    }
+
+    /// Combination of the passes with the smallest change, taken at where they led to.
+    fn anderson(&self, weight: &[f64]) -> Guess {
+        let count = self.past.len();
+        let residuals: Vec<Vec<f64>> = (0..count).map(|k| self.residual(k)).collect();
+        let inner = |a: &[f64], b: &[f64]| -> f64 {
+            let weighted: Vec<f64> = a.iter().zip(weight).map(|(a, w)| a * w).collect();
+            dot(&weighted, b)
+        };
+        // Differences to the newest keep the sum of the shares at one.
+        let newest = &residuals[count - 1];
+        let differences: Vec<Vec<f64>> = residuals[..count - 1]
+            .iter()
+            .map(|r| newest.iter().zip(r).map(|(n, r)| n - r).collect())
+            .collect();
+        let size = differences.len();
+        let gram = DMatrix::from_fn(size, size, |k, l| inner(&differences[k], &differences[l]));
+        let rhs = DVector::from_fn(size, |k, _| inner(&differences[k], newest));
+        let scale = gram.diagonal().max();
+        let shares = match size > 0 && scale > 0.0 {
+            true => (gram / scale)
+                .svd(true, true)
+                .solve(&(rhs / scale), 1e-12)
+                .ok(),
+            false => None,
+        };
+        let shares: Vec<f64> =
+            shares.map_or_else(|| vec![0.0; size], |s| s.iter().copied().collect());
+        let own = 1.0 - shares.iter().sum::<f64>();
+        let terms: Vec<(f64, &Guess)> = shares
+            .into_iter()
+            .chain([own])
+            .zip(&self.past)
+            .map(|(share, (_, found))| (share, found))
+            .collect();
+        mix(&terms)
+    }
+}
+
+fn mix(terms: &[(f64, &Guess)]) -> Guess {
+    let points = terms.first().map_or(0, |(_, guess)| guess.pressure.len());
+    let mut sum = Guess::none(points);
+    for (share, guess) in terms {
+        sum.pressure
+            .iter_mut()
+            .zip(&guess.pressure)
+            .for_each(|(s, g)| *s += share * g);
+        sum.content
+            .iter_mut()
+            .zip(&guess.content)
+            .for_each(|(s, g)| *s += share * g);
+    }
+    sum
+}

@@ -1,0 +1,496 @@
+//! Displacement and pressure in one system.
+//!
+//! With p = c p̂ and the mass balance multiplied by −c the matrix
+//!
+//!   [ K     −c Qᵀ        ]
+//!   [ −c Q  −c² (S + a L) ]
+//!
+//! is symmetric quasi-definite: LDLᵀ exists for every ordering (Vanderbei 1995). The scale c makes the
+//! entries of both blocks of one size, so that residuals mean something for both.
+
+use perifrac_solvers::{
+    Coordinates, CsrMatrix, LinearSolver, Problem, SolveError, SolverSpec, Symmetry,
+};
+
+use super::solid::{Border, build_solver, corner};
+use super::stage::{Stage, Target};
+use super::system::SAME;
+use super::{
+    Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of, solid_of,
+};
+use crate::model::{Coupling, Drive, FlowModel, Model, SolidModel};
+
+/// Stage that solves displacement and pressure together.
+pub struct Monolithic {
+    solver: Box<dyn LinearSolver>,
+    chosen: (String, String),
+    layout: Layout,
+    /// Values of K and Q, scaled; entries between pressures are zero.
+    template: Vec<f64>,
+    matrix: CsrMatrix,
+    border: Border,
+    coefficient: Option<f64>,
+    is_fixed: Vec<bool>,
+    /// Row sums of L: conductance of each point to the sides of prescribed pressure.
+    leak: Vec<f64>,
+}
+
+/// Where the blocks lie.
+struct Layout {
+    dimension: usize,
+    /// Place of every entry of L, shape of its values.
+    exchange: Vec<u32>,
+    /// Place of every point's own pressure entry.
+    diagonal: Vec<u32>,
+    /// Pa per unit of the scaled pressure.
+    scale: f64,
+}
+
+/// Residual, relative to its block's terms, that needs no further improvement.
+const REFINED: f64 = 1e-11;
+const REFINEMENTS: usize = 4;
+/// Residual beyond which a solution is refused; as for flow alone.
+const ACCEPTED: f64 = 1e-5;
+
+impl Monolithic {
+    /// Builds the pattern and analyses the solver once.
+    ///
+    /// # Errors
+    /// [`StepError`] if the solver is refused.
+    pub fn new<const D: usize>(spec: &SolverSpec, model: &Model<D>) -> Result<Self, StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let (layout, mut matrix) = Layout::new(flow, solid, coupling)?;
+        let template = layout.template(&matrix, solid, coupling);
+        matrix.data_mut().copy_from_slice(&template);
+        let coordinates = model.cloud.flat_positions();
+        let problem = Problem {
+            pattern: matrix.view(),
+            symmetry: Symmetry::QuasiDefinite,
+            coordinates: Some(Coordinates {
+                dimension: D,
+                values: &coordinates,
+            }),
+            unknowns_per_point: D + 1,
+        };
+        let (solver, chosen) = build_solver(spec, &problem)?;
+        let mut is_fixed = vec![false; flow.points()];
+        flow.fixed
+            .iter()
+            .for_each(|fixed| is_fixed[fixed.point] = true);
+        let mut leak = vec![0.0; flow.points()];
+        flow.walls.iter().for_each(|wall| wall.add_leak(&mut leak));
+        Ok(Monolithic {
+            solver,
+            chosen,
+            matrix,
+            template,
+            layout,
+            border: Border::default(),
+            coefficient: None,
+            is_fixed,
+            leak,
+        })
+    }
+
+    fn fill<const D: usize>(&mut self, flow: &FlowModel<D>, a: f64) {
+        let layout = &self.layout;
+        let square = layout.scale * layout.scale;
+        let values = self.matrix.data_mut();
+        values.copy_from_slice(&self.template);
+        for (&place, conductance) in layout.exchange.iter().zip(&flow.conductance) {
+            values[place as usize] -= square * a * conductance;
+        }
+        for (&place, capacity) in layout.diagonal.iter().zip(&flow.capacity) {
+            values[place as usize] -= square * capacity;
+        }
+        if !flow.fixed.is_empty() {
+            self.fix_rows();
+        }
+    }
+
+    /// Cuts the pressures of fixed points off everything else.
+    fn fix_rows(&mut self) {
+        let width = self.layout.dimension + 1;
+        let is_fixed = &self.is_fixed;
+        let fixed = |unknown: usize| unknown % width == width - 1 && is_fixed[unknown / width];
+        for (row, mut entries) in self.matrix.outer_iterator_mut().enumerate() {
+            for (column, value) in entries.iter_mut() {
+                if column != row && (fixed(row) || fixed(column)) {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+
+    fn build_border<const D: usize>(&mut self, solid: &SolidModel<D>) -> Result<(), StepError> {
+        let layout = &self.layout;
+        let width = D + 1;
+        let column = |plate: usize| {
+            let wall = &solid.walls[plate];
+            let mut column = vec![0.0; self.matrix.rows()];
+            for &(unknown, response) in &wall.response {
+                let unknown = unknown as usize;
+                column[unknown / D * width + unknown % D] = response;
+            }
+            for &(point, content) in &wall.content {
+                if !self.is_fixed[point as usize] {
+                    column[point as usize * width + D] = -layout.scale * content;
+                }
+            }
+            column
+        };
+        let columns = solid.plates().into_iter().map(column).collect();
+        let (solver, view) = (&mut self.solver, self.matrix.view());
+        self.border = Border::new(columns, corner(solid), |column| {
+            let mut x = vec![0.0; column.len()];
+            solver.solve(view, column, &mut x)?;
+            Ok(x)
+        })?;
+        Ok(())
+    }
+
+    /// Solves for the increment whose entries at fixed points and prescribed walls are given.
+    fn improve<const D: usize>(
+        &mut self,
+        solid: &SolidModel<D>,
+        defect: &Defect,
+        x: &mut Increment,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        let (width, scale) = (D + 1, self.layout.scale);
+        let mut rhs = vec![0.0; self.matrix.rows()];
+        for (point, flow) in defect.flow.iter().enumerate() {
+            let force = &defect.force[point * D..][..D];
+            rhs[point * width..][..D].copy_from_slice(force);
+            rhs[point * width + D] = -scale * flow;
+        }
+        let mut solution = vec![0.0; rhs.len()];
+        let view = self.matrix.view();
+        report.iterations += self.solver.solve(view, &rhs, &mut solution)?.iterations;
+        let moved = self.border.close(&mut solution, &defect.plates);
+        for point in 0..defect.flow.len() {
+            let own = &solution[point * width..][..width];
+            let change = &mut x.displacement[point * D..][..D];
+            change.iter_mut().zip(own).for_each(|(u, own)| *u += own);
+            x.pressure[point] += scale * own[D];
+        }
+        for (plate, by) in solid.plates().into_iter().zip(moved) {
+            x.walls[plate] += by;
+        }
+        Ok(())
+    }
+
+    /// What the increment `x` leaves of both equations, L from differences.
+    fn defect<const D: usize>(
+        &self,
+        model: &Model<D>,
+        known: &Known,
+        x: &Increment,
+    ) -> Result<Defect, StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let a = self.coefficient.unwrap_or(0.0);
+        let mut push = vec![0.0; x.displacement.len()];
+        coupling.add_push(solid, &x.pressure, &mut push);
+        let scale = |values: &[f64]| values.iter().map(|v| v.abs()).sum::<f64>();
+        let force_scale = scale(&known.force) + scale(&push);
+        let mut force: Vec<f64> = known.force.iter().zip(&push).map(|(f, p)| f + p).collect();
+        solid.subtract_internal(&x.displacement, &x.walls, &mut force);
+        let content = model.content(&x.displacement, &x.walls);
+        let mut exchanged = vec![0.0; x.pressure.len()];
+        flow.subtract_exchange(&x.pressure, &mut exchanged);
+        let mut left = vec![0.0; x.pressure.len()];
+        let mut flow_scale = 0.0;
+        for i in 0..left.len() {
+            let stored = (flow.capacity[i] + a * self.leak[i]) * x.pressure[i];
+            flow_scale += known.flow[i].abs() + content[i].abs() + stored.abs();
+            if !self.is_fixed[i] {
+                left[i] = known.flow[i] - stored - content[i] + a * exchanged[i];
+            }
+        }
+        let plates = plate_forces(solid, known, x);
+        let driven = force_scale + scale(&known.plates);
+        Ok(Defect {
+            relative: share(scale(&force) + scale(&plates), driven)
+                .max(share(scale(&left), flow_scale)),
+            plates,
+            force,
+            flow: left,
+        })
+    }
+
+    fn run<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        known: &Known,
+        mut x: Increment,
+        report: &mut StepReport,
+    ) -> Result<Increment, StepError> {
+        let solid = solid_of(model)?;
+        let mut defect = self.defect(model, known, &x)?;
+        if defect.relative <= 0.0 {
+            return Ok(x);
+        }
+        let mut last = f64::INFINITY;
+        for _ in 0..=REFINEMENTS {
+            let mut candidate = x.clone();
+            self.improve(solid, &defect, &mut candidate, report)?;
+            let after = self.defect(model, known, &candidate)?;
+            if after.relative >= 0.5 * last {
+                break;
+            }
+            (x, last, defect) = (candidate, after.relative, after);
+            if last <= REFINED {
+                break;
+            }
+        }
+        if last > ACCEPTED {
+            return Err(StepError::Solve(SolveError::Inaccurate {
+                residual: last,
+                bar: ACCEPTED,
+                refinements: REFINEMENTS,
+                advice: "the permeability contrast or the contrast of stiffness and storage is beyond \
+                         what double precision resolves; reduce it, or use --scheme staggered",
+            }));
+        }
+        Ok(x)
+    }
+}
+
+/// A residual over its scale; infinite where it is not a number.
+fn share(left: f64, whole: f64) -> f64 {
+    let share = left / whole.max(f64::MIN_POSITIVE);
+    if share.is_nan() { f64::INFINITY } else { share }
+}
+
+/// Right-hand sides of a stage.
+struct Known {
+    /// Forces out of balance at the base, N.
+    force: Vec<f64>,
+    /// Content to be found room for, m^D.
+    flow: Vec<f64>,
+    /// Forces on the plates at the base, N.
+    plates: Vec<f64>,
+}
+
+/// What is left of a stage's equations.
+struct Defect {
+    force: Vec<f64>,
+    flow: Vec<f64>,
+    plates: Vec<f64>,
+    relative: f64,
+}
+
+fn plate_forces<const D: usize>(solid: &SolidModel<D>, known: &Known, x: &Increment) -> Vec<f64> {
+    let plates = solid.plates();
+    if plates.is_empty() {
+        return Vec::new();
+    }
+    let gained = solid.internal_wall_force(&x.displacement, &x.walls, &x.pressure);
+    plates
+        .into_iter()
+        .zip(&known.plates)
+        .map(|(plate, own)| own - gained[plate])
+        .collect()
+}
+
+impl Layout {
+    fn new<const D: usize>(
+        flow: &FlowModel<D>,
+        solid: &SolidModel<D>,
+        coupling: &Coupling,
+    ) -> Result<(Self, CsrMatrix), StepError> {
+        let points = solid.points.union(&flow.pattern)?;
+        let pattern = points.expanded(D + 1)?;
+        // Places in the expanded pattern of the entry between two pressures.
+        let place = |row: usize, column: usize| {
+            let (start, width) = (points.row(row).start, points.row(row).len());
+            let within = points.find(row, column)? - start;
+            let first = start * (D + 1) * (D + 1) + D * width * (D + 1);
+            Some((first + within * (D + 1) + D) as u32)
+        };
+        let entries = (0..flow.points()).flat_map(|row| {
+            flow.pattern
+                .row(row)
+                .filter_map(move |k| place(row, flow.pattern.columns[k] as usize))
+        });
+        let layout = Layout {
+            dimension: D,
+            exchange: entries.collect(),
+            diagonal: (0..flow.points())
+                .filter_map(|row| place(row, row))
+                .collect(),
+            scale: pressure_scale(solid, coupling),
+        };
+        Ok((layout, pattern.into_matrix()))
+    }
+
+    /// K and −c Q in their places.
+    fn template<const D: usize>(
+        &self,
+        matrix: &CsrMatrix,
+        solid: &SolidModel<D>,
+        coupling: &Coupling,
+    ) -> Vec<f64> {
+        let mut values = vec![0.0; matrix.nnz()];
+        let width = D + 1;
+        let mut add = |row: usize, column: usize, value: f64| {
+            if let Some(place) = matrix.nnz_index(row, column) {
+                values[place.0] += value;
+            }
+        };
+        for (row, entries) in solid.stiffness.outer_iterator().enumerate() {
+            for (column, value) in entries.iter() {
+                let unknown = |u: usize| u / D * width + u % D;
+                add(unknown(row), unknown(column), *value);
+            }
+        }
+        let elastic = &solid.elastic;
+        let families = &elastic.around.families;
+        for owner in 0..elastic.points() {
+            let strength = -self.scale * coupling.divergence.weight[owner];
+            for bond in families.family(owner) {
+                let (weight, sign) = (elastic.gradient.weight[bond], elastic.signs(bond));
+                let end = families.neighbour(bond);
+                for axis in 0..D {
+                    let pressure = owner * width + D;
+                    for (point, entry) in [(end, sign[axis] * weight[axis]), (owner, -weight[axis])]
+                    {
+                        add(pressure, point * width + axis, strength * entry);
+                        add(point * width + axis, pressure, strength * entry);
+                    }
+                }
+            }
+        }
+        values
+    }
+}
+
+/// Pressure whose push on a point is as large as the stiffness of the point per metre.
+fn pressure_scale<const D: usize>(solid: &SolidModel<D>, coupling: &Coupling) -> f64 {
+    let elastic = &solid.elastic;
+    let stiffness: f64 = (0..solid.unknowns())
+        .filter_map(|row| solid.stiffness.get(row, row))
+        .sum::<f64>()
+        / solid.unknowns() as f64;
+    let push: f64 = (0..elastic.points())
+        .map(|owner| {
+            let family = elastic.around.families.family(owner);
+            let sum: f64 = family
+                .map(|bond| elastic.gradient.weight[bond].amax())
+                .sum();
+            coupling.divergence.weight[owner] * sum
+        })
+        .sum::<f64>()
+        / elastic.points() as f64;
+    // A power of two scales without rounding.
+    match push > 0.0 {
+        true => (stiffness / push).log2().round().exp2(),
+        false => 1.0,
+    }
+}
+
+impl<const D: usize> Stage<D> for Monolithic {
+    fn name(&self) -> &'static str {
+        "monolithic"
+    }
+
+    fn prepare(&mut self, model: &Model<D>, a: f64) -> Result<(), StepError> {
+        let same = |old: f64| (old - a).abs() <= SAME * a.abs();
+        if self.coefficient.is_some_and(same) {
+            return Ok(());
+        }
+        self.coefficient = None;
+        self.fill(flow_of(model)?, a);
+        self.solver.refresh(self.matrix.view())?;
+        self.build_border(solid_of(model)?)?;
+        self.coefficient = Some(a);
+        Ok(())
+    }
+
+    fn solve(
+        &mut self,
+        model: &Model<D>,
+        target: Target<'_>,
+        rhs: Vec<f64>,
+        report: &mut StepReport,
+    ) -> Result<Increment, StepError> {
+        let (flow, solid) = (flow_of(model)?, solid_of(model)?);
+        let base = target.base;
+        let (force, _) =
+            model.unbalanced(target.time, &base.pressure, &base.displacement, &base.walls);
+        let all = solid.wall_residual(target.time, &base.displacement, &base.walls, &base.pressure);
+        let known = Known {
+            force,
+            flow: rhs,
+            plates: solid.plates().into_iter().map(|plate| all[plate]).collect(),
+        };
+        // What is prescribed moves first; the rest follows.
+        let mut x = Increment {
+            pressure: vec![0.0; flow.points()],
+            displacement: vec![0.0; solid.unknowns()],
+            walls: vec![0.0; solid.walls.len()],
+        };
+        flow.fix(target.time, &base.pressure, &mut x.pressure);
+        for (k, wall) in solid.walls.iter().enumerate() {
+            if let Drive::Displacement(load) = &wall.drive {
+                x.walls[k] = load.at(target.time) - base.walls[k];
+            }
+        }
+        self.run(model, &known, x, report)
+    }
+
+    fn filter(
+        &mut self,
+        model: &Model<D>,
+        rhs: Vec<f64>,
+        report: &mut StepReport,
+    ) -> Result<Vec<f64>, StepError> {
+        let solid = solid_of(model)?;
+        let mut x = Increment {
+            pressure: vec![0.0; rhs.len()],
+            displacement: vec![0.0; solid.unknowns()],
+            walls: vec![0.0; solid.walls.len()],
+        };
+        let mut flow = rhs;
+        flow.iter_mut()
+            .zip(&self.is_fixed)
+            .filter(|(_, f)| **f)
+            .for_each(|(r, _)| *r = 0.0);
+        let defect = Defect {
+            force: vec![0.0; solid.unknowns()],
+            flow,
+            plates: vec![0.0; solid.plates().len()],
+            relative: 1.0,
+        };
+        self.improve(solid, &defect, &mut x, report)?;
+        Ok(x.pressure)
+    }
+
+    /// One stage in which nothing flows.
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        Stage::<D>::prepare(self, model, 0.0)?;
+        let base = state.clone();
+        let (time, dt) = (state.time, 0.0);
+        let target = Target {
+            base: &base,
+            time,
+            dt,
+            slot: 0,
+        };
+        let rhs = vec![0.0; state.pressure.len()];
+        let step = Stage::<D>::solve(self, model, target, rhs, &mut StepReport::default())?;
+        state.set_sum(&base, 1.0, &step);
+        Ok(())
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        SchemeCounters {
+            solver: self.solver.counters().clone(),
+            ..SchemeCounters::default()
+        }
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        Some(self.chosen.clone())
+    }
+}

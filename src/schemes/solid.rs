@@ -1,0 +1,285 @@
+//! Mechanical equilibrium at a given pressure: assembled and solved, or relaxed.
+
+use nalgebra::{DMatrix, DVector};
+use perifrac_solvers::{Coordinates, LinearSolver, Problem, SolverSpec, Symmetry, choose};
+
+use super::{SchemeCounters, State, StepError, solid_of};
+use crate::model::{Model, SolidModel};
+
+/// Brings the solid to equilibrium.
+pub trait SolidSolver<const D: usize>: Send {
+    /// Name for reports.
+    fn name(&self) -> &'static str;
+
+    /// Moves displacement and walls of `state` into equilibrium with its pressure at its time.
+    ///
+    /// # Errors
+    /// [`StepError`] if no equilibrium is reached.
+    fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError>;
+
+    /// Forces out of balance, relative to all forces, that it leaves.
+    fn accuracy(&self) -> f64;
+
+    /// Work done so far.
+    fn counters(&self) -> SchemeCounters;
+
+    /// Linear solver in use, and why it was chosen.
+    fn solver(&self) -> Option<(String, String)> {
+        None
+    }
+}
+
+/// Newton's method on the assembled stiffness: one solve for a linear solid.
+pub struct Assembled {
+    solver: Box<dyn LinearSolver>,
+    chosen: (String, String),
+    border: Border,
+    newton: u64,
+    refilled: Option<u64>,
+}
+
+/// Forces out of balance, relative to all forces, that count as equilibrium.
+const BALANCED: f64 = 1e-11;
+/// The same where not even one solve would change anything.
+const ROUNDING: f64 = 1e-17;
+/// Forces out of balance beyond which a solution is refused: what the residual of a nearly
+/// incompressible solid in double precision leaves.
+const ACCEPTED: f64 = 1e-7;
+const MOST_NEWTON: usize = 6;
+
+impl Assembled {
+    /// Chooses and analyses the solver once.
+    ///
+    /// # Errors
+    /// [`StepError`] if the solver is refused.
+    pub fn new<const D: usize>(
+        spec: &SolverSpec,
+        solid: &SolidModel<D>,
+    ) -> Result<Self, StepError> {
+        let coordinates = solid.elastic.around.cloud.flat_positions();
+        let problem = Problem {
+            pattern: solid.matrix(),
+            symmetry: Symmetry::PositiveDefinite,
+            coordinates: Some(Coordinates {
+                dimension: D,
+                values: &coordinates,
+            }),
+            unknowns_per_point: D,
+        };
+        let (solver, chosen) = build_solver(spec, &problem)?;
+        Ok(Assembled {
+            solver,
+            chosen,
+            border: Border::default(),
+            newton: 0,
+            refilled: None,
+        })
+    }
+
+    fn prepare<const D: usize>(&mut self, solid: &SolidModel<D>) -> Result<(), StepError> {
+        if self.refilled == Some(solid.refills) {
+            return Ok(());
+        }
+        self.refilled = None;
+        self.solver.refresh(solid.matrix())?;
+        let columns = solid
+            .plates()
+            .into_iter()
+            .map(|plate| {
+                let mut column = vec![0.0; solid.unknowns()];
+                let response = &solid.walls[plate].response;
+                response
+                    .iter()
+                    .for_each(|&(unknown, r)| column[unknown as usize] = r);
+                column
+            })
+            .collect();
+        let corner = corner(solid);
+        let solver = &mut self.solver;
+        self.border = Border::new(columns, corner, |column| {
+            let mut x = vec![0.0; column.len()];
+            solver.solve(solid.matrix(), column, &mut x)?;
+            Ok(x)
+        })?;
+        self.refilled = Some(solid.refills);
+        Ok(())
+    }
+}
+
+/// A linear solver and why it was chosen.
+pub type Chosen = (String, String);
+
+/// Builds the solver of a spec for a problem; `auto` is chosen by the problem.
+///
+/// # Errors
+/// [`StepError`] if the solver is refused.
+pub fn build_solver(
+    spec: &SolverSpec,
+    problem: &Problem<'_>,
+) -> Result<(Box<dyn LinearSolver>, Chosen), StepError> {
+    let (spec, reason) = match spec.name() {
+        "auto" => {
+            let choice = choose(problem)?;
+            (choice.spec, choice.reason)
+        }
+        _ => (spec.clone(), "asked for".to_owned()),
+    };
+    let mut solver = spec.build()?;
+    solver.analyse(problem)?;
+    Ok((solver, (spec.to_string(), reason)))
+}
+
+/// Stiffness among the plates.
+pub fn corner<const D: usize>(solid: &SolidModel<D>) -> DMatrix<f64> {
+    let plates = solid.plates();
+    DMatrix::from_fn(plates.len(), plates.len(), |k, l| {
+        solid.wall_stiffness[(plates[k], plates[l])]
+    })
+}
+
+impl<const D: usize> SolidSolver<D> for Assembled {
+    fn name(&self) -> &'static str {
+        "newton"
+    }
+
+    fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
+        let solid = solid_of(model)?;
+        self.prepare(solid)?;
+        solid.place_walls(state.time, &mut state.walls);
+        let mut iterations = 0;
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_NEWTON {
+            let (force, mut scale) = model.unbalanced(
+                state.time,
+                &state.pressure,
+                &state.displacement,
+                &state.walls,
+            );
+            let plates = self.plate_forces(model, solid, state);
+            scale += solid.drive(state.time);
+            let sum: f64 = force.iter().chain(&plates).map(|f| f.abs()).sum();
+            // NaN must not pass for equilibrium.
+            let left = if sum.is_nan() { f64::INFINITY } else { sum };
+            let settled = left <= BALANCED * scale && iterations > 0;
+            if settled
+                || left <= ROUNDING * scale
+                || (left >= 0.25 * last && left <= ACCEPTED * scale)
+            {
+                return Ok(iterations);
+            }
+            if left >= 0.25 * last {
+                return Err(StepError::NoEquilibrium {
+                    time: state.time,
+                    residual: left / scale,
+                    iterations,
+                });
+            }
+            last = left;
+            let mut change = vec![0.0; force.len()];
+            iterations += 1 + self
+                .solver
+                .solve(solid.matrix(), &force, &mut change)?
+                .iterations;
+            self.newton += 1;
+            let moved = self.border.close(&mut change, &plates);
+            state
+                .displacement
+                .iter_mut()
+                .zip(&change)
+                .for_each(|(u, c)| *u += c);
+            for (plate, by) in solid.plates().into_iter().zip(moved) {
+                state.walls[plate] += by;
+            }
+        }
+        Ok(iterations)
+    }
+
+    fn accuracy(&self) -> f64 {
+        BALANCED
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        SchemeCounters {
+            mechanics: Some(self.solver.counters().clone()),
+            newton_iterations: self.newton,
+            ..SchemeCounters::default()
+        }
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        Some(self.chosen.clone())
+    }
+}
+
+impl Assembled {
+    fn plate_forces<const D: usize>(
+        &self,
+        model: &Model<D>,
+        solid: &SolidModel<D>,
+        state: &State,
+    ) -> Vec<f64> {
+        let plates = solid.plates();
+        if plates.is_empty() {
+            return Vec::new();
+        }
+        let pressure = model.coupling.as_ref().map_or(&[][..], |_| &state.pressure);
+        let all = solid.wall_residual(state.time, &state.displacement, &state.walls, pressure);
+        plates.into_iter().map(|plate| all[plate]).collect()
+    }
+}
+
+/// A few unknowns beyond the factored matrix A: [A B; Bᵀ C] with A⁻¹ at hand.
+#[derive(Debug, Clone, Default)]
+pub struct Border {
+    columns: Vec<Vec<f64>>,
+    /// A⁻¹ B.
+    solved: Vec<Vec<f64>>,
+    /// (C − Bᵀ A⁻¹ B)⁻¹.
+    inverse: DMatrix<f64>,
+}
+
+impl Border {
+    /// Border with the given columns and corner; `solve` applies A⁻¹.
+    ///
+    /// # Errors
+    /// Those of `solve`; [`StepError::LoosePlate`] if the bordered matrix is singular.
+    pub fn new(
+        columns: Vec<Vec<f64>>,
+        corner: DMatrix<f64>,
+        mut solve: impl FnMut(&[f64]) -> Result<Vec<f64>, StepError>,
+    ) -> Result<Self, StepError> {
+        let solved: Result<Vec<Vec<f64>>, StepError> =
+            columns.iter().map(|column| solve(column)).collect();
+        let solved = solved?;
+        let schur = DMatrix::from_fn(columns.len(), columns.len(), |k, l| {
+            corner[(k, l)] - perifrac_solvers::dot(&columns[k], &solved[l])
+        });
+        let inverse = match columns.is_empty() {
+            true => schur,
+            false => schur.try_inverse().ok_or(StepError::LoosePlate)?,
+        };
+        Ok(Border {
+            columns,
+            solved,
+            inverse,
+        })
+    }
+
+    /// Turns `x` = A⁻¹ f into the solution of the bordered system with right-hand side (f, g); gives
+    /// the border's unknowns.
+    pub fn close(&self, x: &mut [f64], rest: &[f64]) -> Vec<f64> {
+        if self.columns.is_empty() {
+            return Vec::new();
+        }
+        let rhs = self
+            .columns
+            .iter()
+            .zip(rest)
+            .map(|(b, g)| g - perifrac_solvers::dot(b, x));
+        let own = &self.inverse * DVector::from_iterator(self.columns.len(), rhs);
+        for (solved, w) in self.solved.iter().zip(own.iter()) {
+            x.iter_mut().zip(solved).for_each(|(x, z)| *x -= w * z);
+        }
+        own.iter().copied().collect()
+    }
+}

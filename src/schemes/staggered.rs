@@ -1,0 +1,322 @@
+//! Flow and mechanics in turn, with the fixed-stress split (Eq. 72 and docs/theory.md).
+//!
+//! The flow step adds β V (p − p_old) to both sides, which stands in for the strain that the new
+//! pressure will cause. Without it (β = 0, the paper's form) the iteration diverges where
+//! τ = α²/(s(λ+2μ)) > 1.
+
+use super::mixer::{Guess, Mixer};
+use super::solid::SolidSolver;
+use super::stage::{Stage, Target};
+use super::undrained::undrained;
+use super::{
+    ImplicitSystem, Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
+    solid_of,
+};
+use crate::model::{Coupling, FlowModel, Model};
+use crate::plan::{Acceleration, SchemeOptions};
+
+/// Stage that passes between flow and mechanics until they agree, starting from the strain rate of the
+/// last step.
+pub struct Staggered<const D: usize> {
+    name: &'static str,
+    flow: ImplicitSystem,
+    solid: Box<dyn SolidSolver<D>>,
+    /// β V per point, m^D/Pa.
+    split: Vec<f64>,
+    /// S + β V per point, m^D/Pa.
+    storage: Vec<f64>,
+    options: SchemeOptions,
+    /// Disagreement, relative to the terms of the mass balance, at which passes end.
+    tolerance: f64,
+    lags: Lags,
+    coupling_iterations: u64,
+    contraction: f64,
+}
+
+/// What the stages of a step found: the guess for the next one.
+#[derive(Debug, Clone, Default)]
+struct Lags {
+    accepted: [Option<Lag>; 2],
+    trial: [Option<Lag>; 2],
+}
+
+/// Pressure change and strain content of a stage of a step of `dt` seconds.
+#[derive(Debug, Clone)]
+struct Lag {
+    dt: f64,
+    found: Guess,
+}
+
+impl<const D: usize> Staggered<D> {
+    /// Passes until flow and mechanics agree to `scheme.coupling_tolerance`.
+    pub fn iterated(
+        flow: ImplicitSystem,
+        solid: Box<dyn SolidSolver<D>>,
+        parts: (&FlowModel<D>, &Coupling),
+        options: SchemeOptions,
+    ) -> Self {
+        Self::new(
+            "staggered",
+            flow,
+            solid,
+            parts,
+            options,
+            options.coupling_tolerance,
+        )
+    }
+
+    /// Passes once a stage wherever the strain rate of the last step is a fair guess, as the
+    /// semi-implicit scheme does.
+    pub fn lagged(
+        flow: ImplicitSystem,
+        solid: Box<dyn SolidSolver<D>>,
+        parts: (&FlowModel<D>, &Coupling),
+        options: SchemeOptions,
+    ) -> Self {
+        let tolerance = FAIR.max(options.coupling_tolerance);
+        Self::new("semi-implicit", flow, solid, parts, options, tolerance)
+    }
+
+    fn new(
+        name: &'static str,
+        flow: ImplicitSystem,
+        solid: Box<dyn SolidSolver<D>>,
+        (model, coupling): (&FlowModel<D>, &Coupling),
+        options: SchemeOptions,
+        tolerance: f64,
+    ) -> Self {
+        let split: Vec<f64> = coupling
+            .fixed_stress
+            .iter()
+            .map(|own| options.relaxation * own)
+            .collect();
+        Staggered {
+            name,
+            flow,
+            solid,
+            storage: model
+                .capacity
+                .iter()
+                .zip(&split)
+                .map(|(c, b)| c + b)
+                .collect(),
+            split,
+            options,
+            tolerance,
+            lags: Lags::default(),
+            coupling_iterations: 0,
+            contraction: 0.0,
+        }
+    }
+
+    /// One flow solve with the strain content and pressure change of the last pass.
+    fn flow_pass(
+        &mut self,
+        model: &Model<D>,
+        target: &Target<'_>,
+        rhs: &[f64],
+        guess: &Guess,
+        report: &mut StepReport,
+    ) -> Result<Vec<f64>, StepError> {
+        let flow = flow_of(model)?;
+        let mut right: Vec<f64> = (0..rhs.len())
+            .map(|i| rhs[i] - guess.content[i] + self.split[i] * guess.pressure[i])
+            .collect();
+        let mut pressure = guess.pressure.clone();
+        flow.fix(target.time, &target.base.pressure, &mut pressure);
+        report.iterations += self.flow.solve(flow, &mut right, &mut pressure)?;
+        Ok(pressure)
+    }
+
+    /// Mechanical equilibrium at the base's pressure plus `change`; gives the strain content gained.
+    fn solid_pass(
+        &mut self,
+        model: &Model<D>,
+        target: &Target<'_>,
+        change: &[f64],
+        state: &mut State,
+        report: &mut StepReport,
+    ) -> Result<Vec<f64>, StepError> {
+        state.time = target.time;
+        let base = &target.base.pressure;
+        state
+            .pressure
+            .iter_mut()
+            .zip(base.iter().zip(change))
+            .for_each(|(p, (b, c))| *p = b + c);
+        report.iterations += self.solid.equilibrate(model, state)?;
+        let step = state.since(target.base);
+        Ok(model.content(&step.displacement, &step.walls))
+    }
+
+    fn iterate(
+        &mut self,
+        model: &Model<D>,
+        target: &Target<'_>,
+        rhs: &[f64],
+        report: &mut StepReport,
+    ) -> Result<Increment, StepError> {
+        let mut state = target.base.clone();
+        let mut guess = match &self.lags.accepted[target.slot] {
+            Some(lag) => lag.scaled(target.dt),
+            None => {
+                let pressure = vec![0.0; rhs.len()];
+                let content = self.solid_pass(model, target, &pressure, &mut state, report)?;
+                Guess { pressure, content }
+            }
+        };
+        let mut mixer = Mixer::new(self.options.acceleration);
+        let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
+        for pass in 1..=self.options.coupling_iterations {
+            let pressure = self.flow_pass(model, target, rhs, &guess, report)?;
+            let content = self.solid_pass(model, target, &pressure, &mut state, report)?;
+            self.coupling_iterations += 1;
+            let found = Guess { pressure, content };
+            let (left, scale) = self.disagreement(model, target, rhs, (&guess, &found))?;
+            if pass == 1 {
+                first = left;
+            } else if pass == 2 && last > 0.0 && self.options.acceleration == Acceleration::None {
+                self.contraction = self.contraction.max(left / last);
+            }
+            if left <= self.tolerance * scale {
+                self.lags.trial[target.slot] = Some(Lag {
+                    dt: target.dt,
+                    found,
+                });
+                return Ok(state.since(target.base));
+            }
+            if left.is_nan() || left > GROWTH * first.max(scale) {
+                return self.diverged(model, target.time, pass, left / scale);
+            }
+            (last, relative) = (left, left / scale);
+            guess = mixer.next(guess, found, &self.storage);
+        }
+        self.diverged(
+            model,
+            target.time,
+            self.options.coupling_iterations,
+            relative,
+        )
+    }
+
+    fn diverged(
+        &self,
+        model: &Model<D>,
+        time: f64,
+        passes: usize,
+        residual: f64,
+    ) -> Result<Increment, StepError> {
+        let (flow, coupling) = (flow_of(model)?, coupling_of(model)?);
+        // Growth of the disagreement from pass to pass as the step goes to zero, −(b − β)/(S + β).
+        let growth = |i: usize| (coupling.oedometric[i] - self.split[i]) / self.storage[i];
+        Err(StepError::CouplingDiverged {
+            hopeless: (0..flow.points()).any(|i| growth(i) > 1.0),
+            time,
+            passes,
+            residual,
+            relaxation: self.options.relaxation,
+            strength: coupling.strength(&flow.capacity),
+        })
+    }
+
+    /// Residual of the coupled mass balance in absolute amounts, and its scale, m^D.
+    fn disagreement(
+        &self,
+        model: &Model<D>,
+        target: &Target<'_>,
+        rhs: &[f64],
+        (guess, found): (&Guess, &Guess),
+    ) -> Result<(f64, f64), StepError> {
+        let flow = flow_of(model)?;
+        let mut is_fixed = vec![false; rhs.len()];
+        flow.fixed
+            .iter()
+            .for_each(|fixed| is_fixed[fixed.point] = true);
+        let base = &target.base.pressure;
+        let mut total = (0.0, 0.0);
+        for (i, right) in rhs.iter().enumerate().filter(|(i, _)| !is_fixed[*i]) {
+            let strain = guess.content[i] - found.content[i];
+            let pressure = self.split[i] * (guess.pressure[i] - found.pressure[i]);
+            let held = FLOOR * base[i].abs() + found.pressure[i].abs();
+            total.0 += (strain - pressure).abs();
+            total.1 += right.abs() + found.content[i].abs() + self.storage[i] * held;
+        }
+        Ok(total)
+    }
+}
+
+/// Disagreement, relative to the terms of the mass balance, that makes a lagged strain a fair guess.
+const FAIR: f64 = 1e-3;
+/// Share of what the pores hold that counts in the scale: steps may be so small that their own
+/// changes drown in rounding errors.
+const FLOOR: f64 = 1e-3;
+/// Growth of the disagreement over all passes that counts as divergence.
+const GROWTH: f64 = 1e6;
+
+impl Lag {
+    fn scaled(&self, dt: f64) -> Guess {
+        let share = if self.dt > 0.0 { dt / self.dt } else { 0.0 };
+        let scale = |values: &[f64]| values.iter().map(|value| share * value).collect();
+        Guess {
+            pressure: scale(&self.found.pressure),
+            content: scale(&self.found.content),
+        }
+    }
+}
+
+impl<const D: usize> Stage<D> for Staggered<D> {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn prepare(&mut self, model: &Model<D>, a: f64) -> Result<(), StepError> {
+        solid_of(model)?;
+        Ok(self.flow.prepare(flow_of(model)?, &self.storage, a, &[])?)
+    }
+
+    fn solve(
+        &mut self,
+        model: &Model<D>,
+        target: Target<'_>,
+        rhs: Vec<f64>,
+        report: &mut StepReport,
+    ) -> Result<Increment, StepError> {
+        self.iterate(model, &target, &rhs, report)
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        undrained(model, &mut *self.solid, &self.options, state)
+    }
+
+    fn accept(&mut self) {
+        self.lags.accepted = std::mem::take(&mut self.lags.trial);
+    }
+
+    /// The flow matrix of the split alone: its storage is close to the undrained one.
+    fn filter(
+        &mut self,
+        model: &Model<D>,
+        mut rhs: Vec<f64>,
+        report: &mut StepReport,
+    ) -> Result<Vec<f64>, StepError> {
+        let mut error = vec![0.0; rhs.len()];
+        report.iterations += self.flow.solve(flow_of(model)?, &mut rhs, &mut error)?;
+        Ok(error)
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        let mut counters = self.solid.counters();
+        counters.solver = self.flow.counters().clone();
+        counters.coupling_iterations = self.coupling_iterations;
+        counters.contraction = (self.contraction > 0.0).then_some(self.contraction);
+        counters
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        let (flow, reason) = self.flow.chosen().clone();
+        Some(match self.solid.solver() {
+            Some((solid, _)) if solid != flow => (format!("{flow} + {solid}"), reason),
+            _ => (flow, reason),
+        })
+    }
+}

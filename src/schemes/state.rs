@@ -1,0 +1,106 @@
+//! The fields of a run, and their changes in a step.
+
+use super::StepError;
+use crate::model::Model;
+
+/// Fields of a run at one time. A field that the scene does not call for is empty.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct State {
+    /// Time, s.
+    pub time: f64,
+    /// Pore pressure per point, Pa, shape `(n,)`.
+    pub pressure: Vec<f64>,
+    /// Displacement, point by point, m, shape `(n·D,)`.
+    pub displacement: Vec<f64>,
+    /// Velocity of the solid, m/s, shape `(n·D,)`; only with inertia.
+    pub velocity: Vec<f64>,
+    /// Displacement of the walls that move, m, shape `(walls,)`.
+    pub walls: Vec<f64>,
+}
+
+/// Change of pressure, displacement and walls.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Increment {
+    /// Pa, shape `(n,)`.
+    pub pressure: Vec<f64>,
+    /// m, shape `(n·D,)`.
+    pub displacement: Vec<f64>,
+    /// m, shape `(walls,)`.
+    pub walls: Vec<f64>,
+}
+
+impl State {
+    /// The fields a model calls for, at the start and before any load acts.
+    pub fn initial<const D: usize>(model: &Model<D>) -> Self {
+        let solid = model.solid.as_ref();
+        let unknowns = solid.map_or(0, |solid| solid.unknowns());
+        let moving = solid.filter(|solid| !solid.mass.is_empty());
+        State {
+            time: 0.0,
+            pressure: model
+                .flow
+                .as_ref()
+                .map_or_else(Vec::new, |flow| flow.initial.clone()),
+            displacement: vec![0.0; unknowns],
+            velocity: moving.map_or_else(Vec::new, |_| vec![0.0; unknowns]),
+            walls: vec![0.0; solid.map_or(0, |solid| solid.walls.len())],
+        }
+    }
+
+    /// Name and bytes of every field held.
+    pub fn fields(&self) -> Vec<(&'static str, usize)> {
+        let all = [
+            ("pressure", &self.pressure),
+            ("displacement", &self.displacement),
+            ("velocity", &self.velocity),
+            ("walls", &self.walls),
+        ];
+        let held = all.into_iter().filter(|(_, field)| !field.is_empty());
+        held.map(|(name, field)| (name, 8 * field.len())).collect()
+    }
+
+    /// Sets this state's fields to those of `base` plus `share` times `increment`.
+    pub fn set_sum(&mut self, base: &State, share: f64, increment: &Increment) {
+        let set = |target: &mut Vec<f64>, base: &[f64], change: &[f64]| {
+            target.clear();
+            target.extend(base.iter().zip(change).map(|(b, c)| b + share * c));
+        };
+        set(&mut self.pressure, &base.pressure, &increment.pressure);
+        set(
+            &mut self.displacement,
+            &base.displacement,
+            &increment.displacement,
+        );
+        set(&mut self.walls, &base.walls, &increment.walls);
+    }
+
+    /// What leads from `from` to this state.
+    pub fn since(&self, from: &State) -> Increment {
+        let difference =
+            |new: &[f64], old: &[f64]| new.iter().zip(old).map(|(n, o)| n - o).collect();
+        Increment {
+            pressure: difference(&self.pressure, &from.pressure),
+            displacement: difference(&self.displacement, &from.displacement),
+            walls: difference(&self.walls, &from.walls),
+        }
+    }
+
+    /// Whether all fields are finite numbers.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`] with the first point that is not.
+    pub fn check(&self) -> Result<(), StepError> {
+        let per_point = self.displacement.len() / self.pressure.len().max(1);
+        let all = [
+            ("pressure", &self.pressure, 1),
+            ("displacement", &self.displacement, per_point),
+        ];
+        for (field, values, width) in all {
+            if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+                let (point, time) = (place / width.max(1), self.time);
+                return Err(StepError::NotFinite { field, point, time });
+            }
+        }
+        Ok(())
+    }
+}

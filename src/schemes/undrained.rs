@@ -1,0 +1,76 @@
+//! The undrained start: equilibrium with no fluid moving, S Δp + Q Δu = 0 point by point.
+
+use perifrac_solvers::norm2;
+
+use super::mixer::{Guess, Mixer};
+use super::solid::SolidSolver;
+use super::{State, StepError, coupling_of, flow_of};
+use crate::model::Model;
+use crate::plan::SchemeOptions;
+
+/// Change of a pass, relative to the pressure, at which passes end.
+const SETTLED: f64 = 1e-12;
+
+/// Brings `state` to the undrained answer to the loads at its time by accelerated fixed-stress passes.
+///
+/// The full split is used whatever `scheme.relaxation` says: the start is the same for all schemes.
+/// Passes end at the accuracy of the solid solver.
+///
+/// # Errors
+/// [`StepError::CouplingDiverged`], and those of the solid solver.
+pub fn undrained<const D: usize>(
+    model: &Model<D>,
+    solid: &mut dyn SolidSolver<D>,
+    options: &SchemeOptions,
+    state: &mut State,
+) -> Result<(), StepError> {
+    let (flow, coupling) = (flow_of(model)?, coupling_of(model)?);
+    let (capacity, split) = (&flow.capacity, &coupling.fixed_stress);
+    let storage: Vec<f64> = capacity.iter().zip(split).map(|(c, b)| c + b).collect();
+    let start = state.clone();
+    let bar = SETTLED.max(0.1 * solid.accuracy());
+    let mut mixer = Mixer::new(options.acceleration);
+    let mut guess = Guess::none(storage.len());
+    let mut relative = f64::INFINITY;
+    solid.equilibrate(model, state)?;
+    for _ in 0..options.coupling_iterations {
+        let step = state.since(&start);
+        guess.content = model.content(&step.displacement, &step.walls);
+        let pressure: Vec<f64> = (0..storage.len())
+            .map(|i| (split[i] * guess.pressure[i] - guess.content[i]) / storage[i])
+            .collect();
+        let change: Vec<f64> = pressure
+            .iter()
+            .zip(&guess.pressure)
+            .map(|(n, o)| n - o)
+            .collect();
+        relative = norm2(&change) / norm2(&pressure).max(f64::MIN_POSITIVE);
+        let found = Guess {
+            pressure,
+            content: guess.content.clone(),
+        };
+        guess = mixer.next(guess, found, &storage);
+        let moved = start
+            .pressure
+            .iter()
+            .zip(&guess.pressure)
+            .map(|(s, g)| s + g);
+        state
+            .pressure
+            .iter_mut()
+            .zip(moved)
+            .for_each(|(p, m)| *p = m);
+        solid.equilibrate(model, state)?;
+        if relative <= bar {
+            return Ok(());
+        }
+    }
+    Err(StepError::CouplingDiverged {
+        hopeless: true,
+        time: state.time,
+        passes: options.coupling_iterations,
+        residual: relative,
+        relaxation: 1.0,
+        strength: coupling.strength(capacity),
+    })
+}

@@ -1,0 +1,231 @@
+//! Dynamics by velocity Verlet (Algorithm 1), with the pressure between drift and kick.
+//!
+//! Positions at the end of the step are known before the forces there, so the pressure can take the
+//! strain of this very step (Eq. 62 as printed), and nothing lags.
+
+use super::{
+    ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepLimit, StepReport, flow_of,
+    solid_of,
+};
+use crate::model::{Model, SolidModel};
+use crate::report::Flows;
+
+/// Velocity Verlet.
+pub struct Verlet {
+    limit: StepLimit,
+    name: &'static str,
+    /// Implicit flow, if the scheme is semi-implicit.
+    flow: Option<ImplicitSystem>,
+    acceleration: Option<(f64, Vec<f64>)>,
+    products: u64,
+}
+
+/// Share of the step of Eq. 60 that is taken (Eq. 61).
+const SHARE: f64 = 0.7;
+
+impl Verlet {
+    /// Scheme for a model with inertia; `flow` makes the pressure implicit, otherwise it is explicit.
+    ///
+    /// # Errors
+    /// [`StepError::Missing`] without mechanics.
+    pub fn new<const D: usize>(
+        model: &Model<D>,
+        flow: Option<ImplicitSystem>,
+    ) -> Result<Self, StepError> {
+        let mut limit = wave_limit(model, solid_of(model)?);
+        if let (Some(own), None) = (&model.flow, &flow) {
+            let diffusion = super::diffusion_limit(own, &own.capacity);
+            if diffusion.dt < limit.dt {
+                limit = diffusion;
+            }
+        }
+        Ok(Verlet {
+            limit,
+            name: match (&model.flow, &flow) {
+                (None, _) => "explicit (verlet)",
+                (Some(_), None) => "explicit (forward-euler, verlet)",
+                (Some(_), Some(_)) => "semi-implicit (backward-euler, verlet)",
+            },
+            flow,
+            acceleration: None,
+            products: 0,
+        })
+    }
+
+    fn accelerations<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        solid: &SolidModel<D>,
+        state: &State,
+    ) -> Vec<f64> {
+        let (mut force, _) = model.unbalanced(
+            state.time,
+            &state.pressure,
+            &state.displacement,
+            &state.walls,
+        );
+        self.products += 1;
+        for (point, mass) in solid.mass.iter().enumerate() {
+            force[point * D..(point + 1) * D]
+                .iter_mut()
+                .for_each(|f| *f /= mass);
+        }
+        force
+    }
+
+    /// Pressure at the end of the step for the strain content gained in it.
+    fn flow_step<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        dt: f64,
+        trial: &mut State,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        let flow = flow_of(model)?;
+        let step = trial.since(old);
+        let content = model.content(&step.displacement, &step.walls);
+        let mut imbalance = vec![0.0; content.len()];
+        let at = if self.flow.is_some() {
+            trial.time
+        } else {
+            old.time
+        };
+        flow.imbalance(at, &old.pressure, &mut imbalance);
+        let mut rhs: Vec<f64> = imbalance
+            .iter()
+            .zip(&content)
+            .map(|(r, c)| dt * r - c)
+            .collect();
+        let mut change = vec![0.0; rhs.len()];
+        flow.fix(trial.time, &old.pressure, &mut change);
+        match &mut self.flow {
+            None => {
+                let fixed: Vec<f64> = flow.fixed.iter().map(|f| change[f.point]).collect();
+                for i in 0..rhs.len() {
+                    change[i] = rhs[i] / flow.capacity[i];
+                }
+                flow.fixed
+                    .iter()
+                    .zip(fixed)
+                    .for_each(|(f, own)| change[f.point] = own);
+            }
+            Some(system) => {
+                system.prepare(flow, &flow.capacity, dt, &[])?;
+                report.iterations += system.solve(flow, &mut rhs, &mut change)?;
+            }
+        }
+        trial
+            .pressure
+            .iter_mut()
+            .zip(old.pressure.iter().zip(&change))
+            .for_each(|(p, (o, c))| *p = o + c);
+        let seen = if self.flow.is_some() {
+            &trial.pressure
+        } else {
+            &old.pressure
+        };
+        let mut flows = Flows::default();
+        flows.add(dt, &flow.flows(seen, at));
+        report.flows = flows;
+        Ok(())
+    }
+}
+
+/// Eqs. 60 and 61 with the undrained modulus λ + 2μ + α²/s where fluid resists.
+fn wave_limit<const D: usize>(model: &Model<D>, solid: &SolidModel<D>) -> StepLimit {
+    let cloud = &model.cloud;
+    let step = |point: usize| {
+        let lame = solid.elastic.lame[point];
+        let fluid = match (&model.coupling, &model.flow) {
+            (Some(coupling), Some(flow)) => {
+                coupling.divergence.weight[point].powi(2)
+                    / (flow.capacity[point] * cloud.volume[point])
+            }
+            _ => 0.0,
+        };
+        let modulus = lame.lambda + 2.0 * lame.mu + fluid;
+        let density = solid.mass[point] / cloud.volume[point];
+        SHARE * cloud.spacing(point) * (density / modulus).sqrt()
+    };
+    let point = (0..cloud.len())
+        .min_by(|&a, &b| step(a).total_cmp(&step(b)))
+        .unwrap_or(0);
+    StepLimit {
+        dt: step(point),
+        reason: "waves (Eqs. 60 and 61, undrained modulus)",
+        point,
+        position: cloud.position[point].iter().copied().collect(),
+    }
+}
+
+impl<const D: usize> Scheme<D> for Verlet {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn local_order(&self) -> f64 {
+        2.0
+    }
+
+    fn limit(&self) -> Option<&StepLimit> {
+        Some(&self.limit)
+    }
+
+    fn step(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        dt: f64,
+        trial: &mut State,
+    ) -> Result<StepReport, StepError> {
+        let solid = solid_of(model)?;
+        let mut report = StepReport::default();
+        let known = self
+            .acceleration
+            .take()
+            .filter(|(time, _)| time.to_bits() == old.time.to_bits());
+        let start = match known {
+            Some((_, acceleration)) => acceleration,
+            None => self.accelerations(model, solid, old),
+        };
+        trial.clone_from(old);
+        trial.time = old.time + dt;
+        trial
+            .velocity
+            .iter_mut()
+            .zip(&start)
+            .for_each(|(v, a)| *v += 0.5 * dt * a);
+        let drift = trial.displacement.iter_mut().zip(&trial.velocity);
+        drift.for_each(|(u, v)| *u += dt * v);
+        solid.place_walls(trial.time, &mut trial.walls);
+        if model.flow.is_some() {
+            self.flow_step(model, old, dt, trial, &mut report)?;
+        }
+        let end = self.accelerations(model, solid, trial);
+        trial
+            .velocity
+            .iter_mut()
+            .zip(&end)
+            .for_each(|(v, a)| *v += 0.5 * dt * a);
+        trial.check()?;
+        self.acceleration = Some((trial.time, end));
+        Ok(report)
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        SchemeCounters {
+            products: self.products,
+            solver: self
+                .flow
+                .as_ref()
+                .map(|flow| flow.counters().clone())
+                .unwrap_or_default(),
+            ..SchemeCounters::default()
+        }
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        self.flow.as_ref().map(|flow| flow.chosen().clone())
+    }
+}

@@ -1,0 +1,320 @@
+//! Terzaghi's and Mandel's problems, all schemes (tables of REFERENCES in the exact solutions' tests).
+
+use perifrac::run::{RunError, Summary};
+use perifrac::schemes::{State, StepError};
+
+use crate::support::{plan, run_case, run_text, try_run};
+
+/// Relative L2 error (norm over norm) of a field at all outputs.
+fn norms(summary: &Summary, field: &str) -> Vec<f64> {
+    summary
+        .errors_over_time
+        .iter()
+        .map(|at| at.errors[field].l2_over_norm)
+        .collect()
+}
+
+#[track_caller]
+fn assert_below(summary: &Summary, bar: f64) {
+    for field in ["pressure", "displacement"] {
+        let errors = norms(summary, field);
+        println!("{} {} {field}: {errors:?}", summary.case, summary.scheme);
+        assert_eq!(errors.len(), 3, "15, 30 and 60 s");
+        assert!(
+            errors.iter().all(|error| *error <= bar),
+            "{field}: {errors:?}"
+        );
+    }
+}
+
+#[test]
+fn terzaghi_monolithic_and_staggered_at_15_30_and_60_s() {
+    let (monolithic, _) = run_case("terzaghi", &["time.tolerance=1e-3"]);
+    assert_below(&monolithic, 1e-3);
+    assert!(monolithic.balance.mass < 1e-12 && monolithic.balance.momentum.unwrap() < 1e-11);
+    let staggered = [
+        "scheme.name=staggered",
+        "time.tolerance=2e-3",
+        "time.first_step=0.1",
+    ];
+    let (staggered, _) = run_case("terzaghi", &staggered);
+    assert_below(&staggered, 1e-3);
+    assert!(
+        staggered.balance.mass < 1e-7,
+        "{:.1e}",
+        staggered.balance.mass
+    );
+    assert_eq!(staggered.counters.mechanics.unwrap().factorisations, 1);
+}
+
+#[test]
+fn terzaghi_on_graded_clouds_with_the_consistent_gradient() {
+    for case in ["terzaghi-graded", "terzaghi-tensor"] {
+        let (consistent, _) = run_case(case, &["time.step=2"]);
+        assert_below(&consistent, 1.5e-3);
+        let plain = [
+            "mechanics.gradient=plain",
+            "flow.gradient=plain",
+            "time.step=2",
+        ];
+        let (plain, _) = run_case(case, &plain);
+        let (with, without) = (
+            norms(&consistent, "displacement"),
+            norms(&plain, "displacement"),
+        );
+        println!(
+            "{case} plain: u {without:?}, p {:?}",
+            norms(&plain, "pressure")
+        );
+        assert!(without[2] > 3.0 * with[2], "{without:?} {with:?}");
+    }
+}
+
+#[test]
+fn a_column_in_space_consolidates_like_one_in_the_plane() {
+    let (summary, _) = run_case("column-3d", &[]);
+    for field in ["pressure", "displacement"] {
+        let errors = norms(&summary, field);
+        println!("column-3d {field}: {errors:?}");
+        assert!(
+            errors.iter().all(|error| *error < 2e-3),
+            "{field}: {errors:?}"
+        );
+    }
+}
+
+const COARSE: [&str; 2] = ["geometry.spacing=0.5", "output.times=[\"15 s\", \"30 s\"]"];
+
+/// Norm of the difference over the norm, of pressure and of displacement.
+fn difference(a: &State, b: &State) -> [f64; 2] {
+    [
+        (&a.pressure, &b.pressure),
+        (&a.displacement, &b.displacement),
+    ]
+    .map(|(a, b)| {
+        let change: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+        perifrac_solvers::norm2(&change) / perifrac_solvers::norm2(b)
+    })
+}
+
+#[test]
+fn explicit_with_the_fixed_stress_term_reproduces_the_field() {
+    let (_, reference) = run_case(
+        "terzaghi",
+        &[&COARSE[..], &["time.tolerance=1e-5"]].concat(),
+    );
+    for scheme in ["scheme.name=explicit", "scheme.name=semi-implicit"] {
+        let (summary, state) = run_case("terzaghi", &[&COARSE[..], &[scheme]].concat());
+        let apart = difference(&state, &reference);
+        println!(
+            "{}: p and u apart {apart:?}, errors {:?}",
+            summary.scheme, summary.errors
+        );
+        assert!(apart.iter().all(|apart| *apart < 1e-2), "{apart:?}");
+        assert!(summary.balance.momentum.unwrap() < 1e-4);
+    }
+}
+
+/// NUMERICS 5: with lagged strain alone the amplification is −τ = −15.15.
+#[test]
+fn the_form_of_the_paper_is_reported_as_unstable() {
+    let paper = [
+        &COARSE[..],
+        &["scheme.name=explicit", "scheme.relaxation=0"],
+    ]
+    .concat();
+    match try_run(&plan("terzaghi", &paper)) {
+        Err(RunError::Step {
+            source,
+            last_output,
+            ..
+        }) => {
+            let StepError::CouplingUnstable {
+                strength,
+                relaxation,
+                ..
+            } = source
+            else {
+                panic!("{source}");
+            };
+            assert!((strength - 15.1515).abs() < 1e-3 && relaxation == 0.0);
+            assert_eq!(last_output, Some(0.0), "the output before is kept");
+        }
+        other => panic!("{:?}", other.map(|(summary, _)| summary.errors)),
+    }
+    for scheme in ["scheme.name=staggered", "scheme.name=semi-implicit"] {
+        let lagged = [&COARSE[..], &[scheme, "scheme.relaxation=0"]].concat();
+        let error = try_run(&plan("terzaghi", &lagged)).map(|_| ()).unwrap_err();
+        let named = matches!(
+            &error,
+            RunError::Step {
+                source: StepError::CouplingDiverged { .. },
+                ..
+            }
+        );
+        assert!(named, "{error}");
+    }
+}
+
+#[test]
+fn mandel_pressure_and_its_rise_above_the_undrained_one() {
+    // p(0⁺) and p at t = 0.01, 0.05, 0.1, 0.3 in the middle (REFERENCES).
+    let exact = [0.502936501, 0.427684405, 0.293181580, 0.062790296];
+    for scheme in ["monolithic", "staggered"] {
+        let name = format!("scheme.name={scheme}");
+        let ends = [0.01, 0.05, 0.1, 0.3];
+        for (end, exact) in ends.into_iter().zip(exact) {
+            let end = format!("time.end={end}");
+            let overrides = [
+                name.as_str(),
+                &end,
+                "output.times=[]",
+                "time.tolerance=1e-3",
+            ];
+            let plan = plan("mandel", &overrides);
+            let (_, state) = try_run(&plan).unwrap();
+            let flow = crate::support::flow_model::<2>(&plan);
+            let centre = perifrac::geometry::Vector::<2>::new(0.0, 0.05);
+            let found = flow.pressure_at(&state.pressure, state.time, &centre);
+            println!("mandel {scheme} {end}: {found:.6} against {exact:.6}");
+            assert!(
+                (found - exact).abs() < 0.01 * exact,
+                "{end}: {found} {exact}"
+            );
+        }
+        // The undrained start, before the rise.
+        let plan = plan(
+            "mandel",
+            &[&name, "time.end=1e-9", "time.step=1e-9", "output.times=[]"],
+        );
+        let (summary, _) = try_run(&plan).unwrap();
+        let highest = summary.pressure_range.unwrap()[1];
+        assert!((highest - 0.4795204795).abs() < 1e-3, "{highest}");
+        assert!(exact[0] > 1.04 * highest);
+    }
+}
+
+#[test]
+fn the_explicit_schemes_find_mandel_too() {
+    let overrides = [
+        "scheme.name=semi-implicit",
+        "time.end=0.1",
+        "output.times=[]",
+    ];
+    let (summary, _) = run_case(
+        "mandel",
+        &[&overrides[..], &["geometry.spacing=0.025"]].concat(),
+    );
+    assert!(
+        summary.errors["pressure"].l2_over_norm < 1e-2,
+        "{:?}",
+        summary.errors
+    );
+}
+
+#[test]
+fn one_factorisation_at_constant_steps_whatever_their_number() {
+    let text = perifrac::cases::find("terzaghi").unwrap().scene;
+    let text = text.split("[reference]").next().unwrap();
+    let common = ["geometry.spacing=0.5", "output.times=[]", "time.step=1"];
+    let ramp = "mechanics.boundary.left.traction=[{time=[0, 10], value=[0, 1e4]}, 0]";
+    let from_rest = [&common[..], &["coupling.undrained_start=false", ramp]].concat();
+    for integrator in ["backward-euler", "tr-bdf2"] {
+        for scheme in ["monolithic", "staggered"] {
+            let (name, integrator) = (
+                format!("scheme.name={scheme}"),
+                format!("time.integrator={integrator}"),
+            );
+            let own = [name.as_str(), integrator.as_str()];
+            let (summary, _) = run_text(text, &[&from_rest[..], &own].concat());
+            let counters = &summary.counters;
+            assert_eq!(
+                (counters.steps, counters.solver.factorisations),
+                (60, 1),
+                "{own:?}"
+            );
+            let solid = counters
+                .mechanics
+                .as_ref()
+                .map(|solid| solid.factorisations);
+            assert_eq!(solid, (scheme == "staggered").then_some(1), "{own:?}");
+            // The undrained start has no flow: one matrix more, and none for the staggered scheme.
+            let (summary, _) = run_text(text, &[&common[..], &own].concat());
+            let more = u64::from(scheme == "monolithic");
+            assert_eq!(summary.counters.solver.factorisations, 1 + more, "{own:?}");
+        }
+    }
+}
+
+/// NUMERICS 10: the disagreement of flow and mechanics shrinks by (β − b)/(S + β + d) per pass. One
+/// mode of a strip that is sealed and held all around, b = α²/M and d = Δt κ k² of that mode.
+#[test]
+fn fixed_stress_contracts_as_its_fourier_factor() {
+    let strip = r#"
+title = "one mode"
+[geometry]
+type = "lattice"
+size = [1, 0.1]
+points = [80, 8]
+[fluid]
+viscosity = 1
+[materials.rock]
+youngs_modulus = 1
+poissons_ratio = 0
+biot_coefficient = 1
+permeability = 1
+storage = 0.2
+[flow]
+[mechanics.boundary.left]
+roller = true
+[mechanics.boundary.right]
+roller = true
+[mechanics.boundary.bottom]
+roller = true
+[mechanics.boundary.top]
+roller = true
+[coupling]
+undrained_start = false
+[scheme]
+name = "staggered"
+acceleration = "none"
+coupling_tolerance = 1e-6
+[time]
+end = 0.01
+step = 0.01
+integrator = "backward-euler"
+[wells.source]
+at = [0.2, 0.05]
+rate = 1
+radius = 0.15
+[wells.sink]
+at = [0.8, 0.05]
+rate = -1
+radius = 0.15
+"#;
+    let (summary, _) = run_text(strip, &[]);
+    let found = summary.coupling.unwrap().contraction.unwrap();
+    // M = E = 1, β = α²/(λ + μ) = 2, b = 1; source and sink excite k = π most, and 3π.
+    let factor = |k: f64| (2.0 - 1.0) / (0.2 + 2.0 + 0.01 * k * k);
+    let pi = std::f64::consts::PI;
+    println!(
+        "contraction {found:.3}, factor of the first mode {:.3}",
+        factor(pi)
+    );
+    assert!(
+        found < factor(pi) * 1.02 && found > factor(7.0 * pi),
+        "{found}"
+    );
+}
+
+#[test]
+fn a_coupled_scene_says_how_strongly_it_is_coupled() {
+    let (summary, _) = run_case("terzaghi", &[&COARSE[..], &["time.step=1"]].concat());
+    let coupling = summary.coupling.unwrap();
+    // γ and c_v of REFERENCES: τ = α² A/s = 15.1515, c_v = 0.3752345216; Eq. 71 with ½ and Δx = 0.5.
+    assert!((coupling.strength - 15.151515).abs() < 1e-5);
+    assert!((coupling.consolidation - 0.3752345216).abs() < 1e-9);
+    assert!((coupling.step_limit - 0.5 * 0.25 / 0.3752345216).abs() < 1e-9);
+    let fields: Vec<_> = summary.counters.field_bytes.keys().copied().collect();
+    assert_eq!(fields, ["displacement", "pressure"]);
+}
