@@ -1,11 +1,13 @@
 //! Biot's coupling: Q u̇ + S ṗ + L p = q and K u − Qᵀ p = f.
 
+use perifrac_solvers::dot;
+
 use crate::geometry::Cloud;
 use crate::operators::Divergence;
 use crate::plan::Plan;
 
 use super::properties::Properties;
-use super::{Model, SolidModel};
+use super::{Drive, Model, SolidModel};
 
 /// What couples flow and mechanics.
 #[derive(Debug, Clone)]
@@ -125,6 +127,22 @@ impl<const D: usize> Model<D> {
         }
         solid.subtract_internal(displacement, walls, &mut force);
         (force, scale)
+    }
+
+    /// Work fᵀu + Fᵀw of the loads at `time` on a displacement from rest, J.
+    pub fn load_work(&self, time: f64, displacement: &[f64], walls: &[f64]) -> f64 {
+        let Some(solid) = &self.solid else { return 0.0 };
+        let mut force = vec![0.0; displacement.len()];
+        solid.loads(time, &mut force);
+        let driven = solid
+            .walls
+            .iter()
+            .zip(walls)
+            .map(|(wall, w)| match &wall.drive {
+                Drive::Force(load) => load.at(time) * w,
+                Drive::Displacement(_) => 0.0,
+            });
+        dot(&force, displacement) + driven.sum::<f64>()
     }
 
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D).

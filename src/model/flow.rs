@@ -14,8 +14,9 @@ use crate::plan::{FlowPlan, Load, OperatorChoice, Plan, SideCondition};
 
 use crate::report::Flows;
 
-use super::ModelError;
 use super::properties::Properties;
+use super::stabilisation::Stabilisation;
+use super::{Coupling, ModelError};
 
 /// A point whose pressure is prescribed.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +37,8 @@ pub struct FlowModel<const D: usize> {
     pub pattern: Pattern,
     /// Values of L, shape `(nonzeros,)`, m^D/(Pa s).
     pub conductance: Vec<f64>,
+    /// Values of the stabilising storage in the same pattern, m^D/Pa; empty without one.
+    pub stabilisation: Vec<f64>,
     /// K/μ per point, m²/(Pa s).
     pub mobility: Vec<f64>,
     /// V s per point: volume stored per pascal, m^D/Pa.
@@ -105,6 +108,7 @@ impl<const D: usize> FlowModel<D> {
                 columns: Vec::new(),
             },
             conductance: Vec::new(),
+            stabilisation: Vec::new(),
             effects: Vec::new(),
             operator,
             extension,
@@ -118,8 +122,18 @@ impl<const D: usize> FlowModel<D> {
     }
 
     /// Builds the pattern, fills L and builds the effects.
-    pub(super) fn assemble(mut self, plan: &Plan) -> Result<Self, ModelError> {
+    pub(super) fn assemble(
+        mut self,
+        plan: &Plan,
+        coupling: Option<&Coupling>,
+    ) -> Result<Self, ModelError> {
         self.pattern = self.operator.pattern()?;
+        let strength = plan.coupling.map_or(0.0, |coupling| coupling.stabilisation);
+        if let Some(coupling) = coupling.filter(|_| strength > 0.0) {
+            let term = Stabilisation::new(self.operator.neighbourhood(), coupling, strength);
+            self.pattern = self.pattern.union(&term.pattern()?)?;
+            self.stabilisation = term.values(&self.pattern);
+        }
         self.conductance = vec![0.0; self.pattern.nonzeros()];
         self.refill_plan = self.operator.refill_plan(&self.extension, &self.pattern);
         self.refill();
@@ -211,6 +225,19 @@ impl<const D: usize> FlowModel<D> {
             .for_each(|(row, result)| {
                 *result -= exchange(pattern, conductance, pressure, row);
             });
+    }
+
+    /// Takes what the stabilising storage holds at `pressure` off every entry, m^D.
+    pub fn subtract_stabilisation(&self, pressure: &[f64], result: &mut [f64]) {
+        if self.stabilisation.is_empty() {
+            return;
+        }
+        let (pattern, values) = (&self.pattern, &self.stabilisation);
+        result
+            .par_iter_mut()
+            .enumerate()
+            .with_min_len(1024)
+            .for_each(|(row, result)| *result -= exchange(pattern, values, pressure, row));
     }
 
     /// Rates at which the boundary and the sources move fluid in the state `pressure` at `time`;
@@ -359,7 +386,9 @@ impl<const D: usize> FlowModel<D> {
             ("operator", self.operator.bytes()),
             (
                 "matrix",
-                self.pattern.bytes() + self.refill_plan.bytes() + 8 * self.conductance.len(),
+                self.pattern.bytes()
+                    + self.refill_plan.bytes()
+                    + 8 * (self.conductance.len() + self.stabilisation.len()),
             ),
             (
                 "coefficients",

@@ -7,6 +7,7 @@ mod flow;
 mod properties;
 mod sample;
 mod solid;
+mod stabilisation;
 
 use std::sync::Arc;
 
@@ -64,7 +65,15 @@ impl<const D: usize> Model<D> {
             &mut warnings,
             timers,
         )?;
-        let flow = build_flow(plan, &cloud, families, &points, &mut warnings, timers)?;
+        let flow = build_flow(
+            plan,
+            &cloud,
+            families,
+            &points,
+            coupling.as_ref(),
+            &mut warnings,
+            timers,
+        )?;
         Ok(Model {
             cloud,
             material: points.material,
@@ -100,6 +109,7 @@ fn build_flow<const D: usize>(
     cloud: &Arc<Cloud<D>>,
     families: Families<D>,
     points: &properties::Properties,
+    coupling: Option<&Coupling>,
     warnings: &mut Vec<String>,
     timers: &mut Timers,
 ) -> Result<Option<FlowModel<D>>, ModelError> {
@@ -109,7 +119,7 @@ fn build_flow<const D: usize>(
     let flow = timers.time("operators", || {
         FlowModel::build(plan, flow, cloud, families, points, warnings)
     })?;
-    let mut flow = timers.time("assembly", || flow.assemble(plan))?;
+    let mut flow = timers.time("assembly", || flow.assemble(plan, coupling))?;
     if let Ok(Some(solution)) = manufactured(plan) {
         let exact = |x: &Vector<D>| solution.pressure(x.as_slice(), 0.0);
         flow.initial = cloud.position.iter().map(exact).collect();

@@ -12,20 +12,33 @@ use crate::geometry::Matrix;
 pub struct Hourglass<const D: usize> {
     around: Arc<Neighbourhood<D>>,
     gradient: Arc<Gradient<D>>,
-    /// −V_i K_i, shape `(n,)`.
+    /// Factor per point, shape `(n,)`.
+    factor: Vec<f64>,
+    /// −factor V_i K_i, shape `(n,)`.
     stiffness: Vec<Matrix<D>>,
 }
 
 impl<const D: usize> Hourglass<D> {
     /// Form over the plain gradient of the same neighbourhood.
     pub fn new(around: Arc<Neighbourhood<D>>, gradient: Arc<Gradient<D>>) -> Self {
+        let ones = vec![1.0; around.len()];
+        Self::weighted(around, gradient, ones)
+    }
+
+    /// The same with a factor per family, shape `(n,)`.
+    pub fn weighted(
+        around: Arc<Neighbourhood<D>>,
+        gradient: Arc<Gradient<D>>,
+        factor: Vec<f64>,
+    ) -> Self {
         let stiffness = (0..around.len())
             .into_par_iter()
-            .map(|i| around.shape(i) * -around.cloud.volume[i])
+            .map(|i| around.shape(i) * (-factor[i] * around.cloud.volume[i]))
             .collect();
         Hourglass {
             around,
             gradient,
+            factor,
             stiffness,
         }
     }
@@ -41,7 +54,7 @@ impl<const D: usize> BondForm<D> for Hourglass<D> {
     }
 
     fn geometric(&self, owner: usize, bond: usize) -> f64 {
-        self.around.cloud.volume[owner] * self.around.measure[bond]
+        self.factor[owner] * self.around.cloud.volume[owner] * self.around.measure[bond]
     }
 
     fn mean(&self, _owner: f64, _end: f64) -> f64 {
@@ -63,6 +76,6 @@ impl<const D: usize> BondForm<D> for Hourglass<D> {
     }
 
     fn bytes(&self) -> usize {
-        self.gradient.bytes() + 8 * D * D * self.stiffness.len()
+        self.gradient.bytes() + 8 * (D * D + 1) * self.stiffness.len()
     }
 }

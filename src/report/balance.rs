@@ -23,6 +23,9 @@ pub struct Balance {
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D); with mechanics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy: Option<f64>,
+    /// The energy less the work of the loads that act now, J: never grows while they are constant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub potential: Option<f64>,
 }
 
 /// Amounts of one step, or rates.

@@ -30,7 +30,7 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
             columns.extend(AXES[..D].iter().map(|axis| component(axis)));
         }
         columns.extend(plates::<D>(mechanics).map(|side| format!("plate_{side}_m")));
-        columns.extend(["energy_J", "momentum_balance"].map(str::to_owned));
+        columns.extend(["energy_J", "potential_J", "momentum_balance"].map(str::to_owned));
     }
     if plan.flow.is_some() {
         columns.extend(Side::all(D).map(|side| format!("outflow_{side}_{volume}_per_s")));
@@ -78,10 +78,8 @@ pub fn row<const D: usize>(
                 .unwrap_or(0.0)
         };
         row.extend(plates::<D>(mechanics).map(place));
-        row.extend([
-            balance.energy.unwrap_or(0.0),
-            balance.momentum.unwrap_or(0.0),
-        ]);
+        let own = [balance.energy, balance.potential, balance.momentum];
+        row.extend(own.map(|value| value.unwrap_or(0.0)));
     }
     if let Some(flow) = &model.flow {
         row.extend(flow.outflow(&state.pressure, state.time));

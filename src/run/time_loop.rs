@@ -29,6 +29,8 @@ pub struct Progress {
     pub rejected: u64,
     /// Iterations of the linear solver in the last step.
     pub iterations: usize,
+    /// Energy of Eq. 73 less the work of the loads, J; with mechanics.
+    pub potential: Option<f64>,
 }
 
 /// Is told how a run goes on.
@@ -233,6 +235,7 @@ impl<const D: usize> Run<'_, D> {
             steps: self.steps,
             rejected: self.rejected,
             iterations: report.iterations,
+            potential: self.balance.potential,
         });
         Ok(())
     }
@@ -367,7 +370,9 @@ impl<const D: usize> Run<'_, D> {
         } = state;
         let (force, scale) = model.unbalanced(state.time, pressure, displacement, walls);
         let left: f64 = force.iter().map(|f| f.abs()).sum();
-        self.balance.energy = Some(model.energy(pressure, displacement, walls));
+        let energy = model.energy(pressure, displacement, walls);
+        self.balance.energy = Some(energy);
+        self.balance.potential = Some(energy - model.load_work(state.time, displacement, walls));
         self.balance.momentum = Some(if scale > 0.0 { left / scale } else { 0.0 });
     }
 }

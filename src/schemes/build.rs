@@ -70,6 +70,13 @@ fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Sche
     let parts = (flow_of(model)?, coupling_of(model)?);
     let flow = || ImplicitSystem::new(&plan.solver, parts.0);
     Ok(match plan.scheme {
+        SchemeChoice::Explicit if !parts.0.stabilisation.is_empty() => {
+            return Err(StepError::Refused {
+                scheme: "explicit",
+                reason: "coupling.stabilisation needs a linear system; set it to 0, or use an implicit \
+                         scheme",
+            });
+        }
         SchemeChoice::Explicit => {
             let solid = Box::new(Relaxation::new(options));
             Box::new(ForwardEuler::coupled(model, solid, &options)?)

@@ -100,6 +100,9 @@ impl Monolithic {
         for (&place, conductance) in layout.exchange.iter().zip(&flow.conductance) {
             values[place as usize] -= square * a * conductance;
         }
+        for (&place, own) in layout.exchange.iter().zip(&flow.stabilisation) {
+            values[place as usize] -= square * own;
+        }
         for (&place, capacity) in layout.diagonal.iter().zip(&flow.capacity) {
             values[place as usize] -= square * capacity;
         }
@@ -198,13 +201,15 @@ impl Monolithic {
         let content = model.content(&x.displacement, &x.walls);
         let mut exchanged = vec![0.0; x.pressure.len()];
         flow.subtract_exchange(&x.pressure, &mut exchanged);
+        let mut held = vec![0.0; x.pressure.len()];
+        flow.subtract_stabilisation(&x.pressure, &mut held);
         let mut left = vec![0.0; x.pressure.len()];
         let mut flow_scale = 0.0;
         for i in 0..left.len() {
             let stored = (flow.capacity[i] + a * self.leak[i]) * x.pressure[i];
             flow_scale += known.flow[i].abs() + content[i].abs() + stored.abs();
             if !self.is_fixed[i] {
-                left[i] = known.flow[i] - stored - content[i] + a * exchanged[i];
+                left[i] = known.flow[i] - stored - content[i] + a * exchanged[i] + held[i];
             }
         }
         let plates = plate_forces(solid, known, x);

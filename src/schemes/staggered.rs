@@ -165,6 +165,8 @@ impl<const D: usize> Staggered<D> {
                 Guess { pressure, content }
             }
         };
+        let base = model.content(&target.base.displacement, &target.base.walls);
+        let rounding = ROUNDING * base.iter().map(|c| c.abs()).sum::<f64>();
         let mut mixer = Mixer::new(self.options.acceleration);
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
         for pass in 1..=self.options.coupling_iterations {
@@ -173,6 +175,7 @@ impl<const D: usize> Staggered<D> {
             self.coupling_iterations += 1;
             let found = Guess { pressure, content };
             let (left, scale) = self.disagreement(model, target, rhs, (&guess, &found))?;
+            let scale = scale + rounding;
             if pass == 1 {
                 first = left;
             } else if pass == 2 && last > 0.0 && self.options.acceleration == Acceleration::None {
@@ -250,6 +253,8 @@ const FAIR: f64 = 1e-3;
 /// Share of what the pores hold that counts in the scale: steps may be so small that their own
 /// changes drown in rounding errors.
 const FLOOR: f64 = 1e-3;
+/// The same for the strain there is already.
+const ROUNDING: f64 = 1e-5;
 /// Growth of the disagreement over all passes that counts as divergence.
 const GROWTH: f64 = 1e6;
 
@@ -285,7 +290,23 @@ impl<const D: usize> Stage<D> for Staggered<D> {
     }
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
-        undrained(model, &mut *self.solid, &self.options, state)
+        if flow_of(model)?.stabilisation.is_empty() {
+            return undrained(model, &mut *self.solid, &self.options, state);
+        }
+        // The stabilising storage couples the points: one stage in which nothing flows.
+        Stage::<D>::prepare(self, model, 0.0)?;
+        let base = state.clone();
+        let (time, dt, slot) = (state.time, 0.0, 0);
+        let target = Target {
+            base: &base,
+            time,
+            dt,
+            slot,
+        };
+        let still = vec![0.0; state.pressure.len()];
+        let step = self.iterate(model, &target, &still, &mut StepReport::default())?;
+        state.set_sum(&base, 1.0, &step);
+        Ok(())
     }
 
     fn accept(&mut self) {

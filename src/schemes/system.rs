@@ -18,6 +18,8 @@ pub struct ImplicitSystem {
     coefficient: Option<f64>,
     /// What the diagonal stores, shape `(n,)`, m^D/Pa; zero for a steady state.
     storage: Vec<f64>,
+    /// Whether the stabilising storage is part of the matrix.
+    stabilised: bool,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
     /// What grounding added to each diagonal.
@@ -26,6 +28,7 @@ pub struct ImplicitSystem {
     lift: Vec<f64>,
     defect: Vec<f64>,
     correction: Vec<f64>,
+    held: Vec<f64>,
 }
 
 /// Residual, relative to the right-hand side, that needs no further improvement.
@@ -80,12 +83,14 @@ impl ImplicitSystem {
             values,
             coefficient: None,
             storage: vec![0.0; flow.points()],
+            stabilised: false,
             leak: leaks(flow),
             ground: vec![0.0; flow.points()],
             is_fixed,
             lift: Vec::new(),
             defect: Vec::new(),
             correction: Vec::new(),
+            held: Vec::new(),
         })
     }
 
@@ -120,6 +125,12 @@ impl ImplicitSystem {
             .iter_mut()
             .zip(&flow.conductance)
             .for_each(|(v, l)| *v = a * l);
+        // A steady state stores nothing, so nothing there is stabilised.
+        self.stabilised = storage.iter().any(|own| *own > 0.0);
+        if self.stabilised {
+            let pairs = self.values.iter_mut().zip(&flow.stabilisation);
+            pairs.for_each(|(v, s)| *v += s);
+        }
         for (row, own) in storage.iter().enumerate() {
             self.values[flow.pattern.diagonal(row)] += own;
         }
@@ -209,11 +220,16 @@ impl ImplicitSystem {
         self.defect.resize(x.len(), 0.0);
         self.defect.fill(0.0);
         flow.subtract_exchange(x, &mut self.defect);
+        self.held.resize(x.len(), 0.0);
+        self.held.fill(0.0);
+        if self.stabilised {
+            flow.subtract_stabilisation(x, &mut self.held);
+        }
         for (row, defect) in self.defect.iter_mut().enumerate() {
             let own = a * self.leak[row] + self.storage[row] + self.ground[row];
             *defect = match self.is_fixed.get(row) {
                 Some(true) => 0.0,
-                _ => rhs[row] + a * *defect - own * x[row],
+                _ => rhs[row] + a * *defect + self.held[row] - own * x[row],
             };
         }
         self.defect.iter().map(|d| d.abs()).sum()
@@ -232,10 +248,16 @@ impl ImplicitSystem {
         self.lift.resize(x.len(), 0.0);
         multiply(flow.matrix(), &known, &mut self.lift);
         let a = self.coefficient.unwrap_or(1.0);
+        self.lift.iter_mut().for_each(|lift| *lift *= a);
+        if self.stabilised {
+            let mut held = vec![0.0; x.len()];
+            multiply(flow.view(&flow.stabilisation), &known, &mut held);
+            self.lift.iter_mut().zip(&held).for_each(|(l, h)| *l += h);
+        }
         for row in 0..x.len() {
             rhs[row] = match self.is_fixed[row] {
                 true => self.values[flow.pattern.diagonal(row)] * known[row],
-                false => rhs[row] - a * self.lift[row],
+                false => rhs[row] - self.lift[row],
             };
         }
     }

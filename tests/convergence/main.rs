@@ -4,6 +4,8 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod poroelastic;
+
 use support::{largest_difference, orders, run_case};
 
 #[test]

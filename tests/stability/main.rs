@@ -4,6 +4,8 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod poroelastic;
+
 use perifrac::run::RunError;
 use perifrac::schemes::StepError;
 use support::{extremes, plan, run_case, try_run};

@@ -44,6 +44,7 @@ impl Resolver<'_> {
 pub(super) fn coupling(coupling: &Coupling) -> CouplingPlan {
     CouplingPlan {
         undrained_start: coupling.undrained_start,
+        stabilisation: coupling.stabilisation.value(),
     }
 }
 

@@ -60,8 +60,10 @@ pub struct TractionPlan {
 }
 
 /// The two ways between pressure and strain (Biot).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CouplingPlan {
     /// Whether the run starts from the undrained answer to the first loads.
     pub undrained_start: bool,
+    /// Factor of the storage that only rough pressures feel; 0 for none.
+    pub stabilisation: f64,
 }

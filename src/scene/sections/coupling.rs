@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::scene::diagnostics::Diagnostic;
+use crate::scene::quantity::Number;
 use crate::scene::span::Span;
 use crate::scene::validate::{Context, Report, Section};
 
@@ -13,12 +14,16 @@ use crate::scene::validate::{Context, Report, Section};
 pub struct Coupling {
     /// Starts from the answer to the first loads before any fluid has moved.
     pub undrained_start: bool,
+    /// Storage that only rough pressures feel, in units of α²/(λ + 2μ): 0.1 to 1 calms nearly undrained
+    /// rock in small steps.
+    pub stabilisation: Number,
 }
 
 impl Default for Coupling {
     fn default() -> Self {
         Self {
             undrained_start: true,
+            stabilisation: Number::si(0.0),
         }
     }
 }
@@ -27,6 +32,7 @@ impl Section for Coupling {
     const NAME: &'static str = "coupling";
 
     fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+        report.not_negative("stabilisation", self.stabilisation);
         let missing = [
             ("[flow]", scene.has(&scene.draft.flow)),
             ("[mechanics]", scene.has(&scene.draft.mechanics)),
