@@ -113,7 +113,7 @@ impl Planned {
             Some(place) => diagnostic.at(place),
             None => diagnostic,
         };
-        let diagnostic = match remedy(error) {
+        let diagnostic = match self.remedy(error) {
             Some(help) => diagnostic.help(help),
             None => diagnostic,
         };
@@ -162,21 +162,38 @@ impl Planned {
             ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
             ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
             ModelError::Effect(EffectError::OverlappingWells { second, .. }) => well(second),
-            ModelError::Consistency(_) => Some(scene.flow.as_ref()?.gradient.span),
+            ModelError::Effect(EffectError::EmptyLoad { name, .. }) => {
+                let mut loads = scene.mechanics.as_ref()?.loads.iter();
+                loads.find(|entry| entry.name == *name).map(|e| e.span)
+            }
+            ModelError::MissingProperty { material: name, .. } => {
+                let mut materials = scene.materials.iter();
+                materials.find(|entry| entry.name == *name).map(|e| e.span)
+            }
+            ModelError::Consistency(_) => match (&scene.flow, &scene.mechanics) {
+                (Some(flow), _) => Some(flow.gradient.span),
+                (None, mechanics) => Some(mechanics.as_ref()?.gradient.span),
+            },
             _ => None,
         }
     }
-}
 
-/// What to do where the error itself cannot know the keys of a scene.
-fn remedy(error: &ModelError) -> Option<&'static str> {
-    match error {
-        ModelError::Geometry(GeometryError::TooFewPoints { .. }) => {
-            Some("add points, or set horizon.neighbours to fewer, or horizon.radius to a length")
+    /// What to do where the error itself cannot know the keys of a scene.
+    fn remedy(&self, error: &ModelError) -> Option<&'static str> {
+        match error {
+            ModelError::Geometry(GeometryError::TooFewPoints { .. }) => Some(
+                "add points, or set horizon.neighbours to fewer, or horizon.radius to a length",
+            ),
+            ModelError::Effect(EffectError::EmptyWell { .. }) => {
+                Some("enlarge its radius, leave the radius out, or refine the cloud there")
+            }
+            ModelError::MissingProperty { .. } => {
+                Some("add it to the material, or take out the section that asks for it")
+            }
+            ModelError::Consistency(_) if self.loaded.scene.flow.is_none() => {
+                Some("here it is mechanics.gradient that asks for it; \"plain\" does without")
+            }
+            _ => None,
         }
-        ModelError::Effect(EffectError::EmptyWell { .. }) => {
-            Some("enlarge its radius, leave the radius out, or refine the cloud there")
-        }
-        _ => None,
     }
 }

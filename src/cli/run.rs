@@ -123,9 +123,84 @@ fn describe(summary: &Summary) -> String {
             error.l2, error.max
         );
     }
-    text += &format!(
-        "  mass balance: {:.1e} of the turnover\n",
-        summary.balance.mass
-    );
+    text += &describe_mechanics(summary);
+    if summary.pressure_range.is_some() {
+        text += &format!(
+            "  mass balance: {:.1e} of the turnover\n",
+            summary.balance.mass
+        );
+    }
     text
+}
+
+/// Coupling and balance of forces, if there are any.
+fn describe_mechanics(summary: &Summary) -> String {
+    let mut text = String::new();
+    if let Some(coupling) = &summary.coupling {
+        text += &format!("  coupling: strength {:.2e}", coupling.strength);
+        if coupling.passes > 0 {
+            text += &format!(", {} passes between flow and mechanics", coupling.passes);
+        }
+        text.push('\n');
+    }
+    // With inertia the rest of the forces is what accelerates the solid.
+    let moving = summary.counters.field_bytes.contains_key("velocity");
+    if let (Some(momentum), false) = (summary.balance.momentum, moving) {
+        text += &format!("  forces out of balance: {momentum:.1e} of all forces\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{cases, plan, scene};
+
+    fn described(case: &str, overrides: &[&str]) -> String {
+        let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+        let text = cases::find(case).unwrap().scene;
+        let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
+        let plan = plan::resolve(&loaded, case).unwrap();
+        let summary = run_plan::<2>(&plan, None, &mut (), &AtomicBool::new(false));
+        describe(&summary.unwrap().0)
+    }
+
+    /// Starts of the lines after the first.
+    fn lines(text: &str) -> Vec<&str> {
+        let start = |line: &'_ str| -> usize { line.find(':').unwrap() };
+        text.lines()
+            .skip(1)
+            .map(|line| line[..start(line)].trim())
+            .collect()
+    }
+
+    #[test]
+    fn a_scene_of_flow_is_told_without_forces() {
+        let text = described("two-layer", &["geometry.points=[20, 5]"]);
+        assert!(lines(&text).contains(&"mass balance"), "{text}");
+        assert!(
+            !text.contains("forces") && !text.contains("coupling"),
+            "{text}"
+        );
+    }
+
+    /// Strength by hand: α²/(s(λ + 2μ)) = 0.25/(1.65e-10 · 1e8) = 15.15.
+    #[test]
+    fn a_coupled_scene_is_told_with_its_coupling_and_forces() {
+        let coarse = ["geometry.spacing=0.5", "scheme.name=staggered"];
+        let text = described("terzaghi", &coarse);
+        let expected = [
+            "error of displacement",
+            "error of pressure",
+            "coupling",
+            "forces out of balance",
+            "mass balance",
+        ];
+        assert_eq!(lines(&text), expected, "{text}");
+        assert!(text.contains("strength 1.52e1,"), "{text}");
+        assert!(
+            text.contains(" passes between flow and mechanics\n"),
+            "{text}"
+        );
+    }
 }

@@ -24,11 +24,9 @@ impl fmt::Display for Explanation {
         for effect in &self.effects {
             writeln!(f, "  effect     {} because {}", effect.name, effect.why)?;
         }
-        writeln!(
-            f,
-            "  operator   {}: {}",
-            self.operator.name, self.operator.why
-        )?;
+        for operator in self.operator.iter().chain(&self.elasticity) {
+            writeln!(f, "  operator   {}: {}", operator.name, operator.why)?;
+        }
         writeln!(f, "  scheme     {}: {}", self.scheme.name, self.scheme.why)?;
         writeln!(f, "  solver     {}: {}", self.solver.name, self.solver.why)?;
         writeln!(
@@ -38,6 +36,7 @@ impl fmt::Display for Explanation {
             grouped(self.bonds),
             grouped(self.nonzeros)
         )?;
+        self.matrices(f)?;
         let memory = &self.memory;
         writeln!(
             f,
@@ -73,6 +72,30 @@ impl fmt::Display for Explanation {
         }
         for warning in &self.warnings {
             writeln!(f, "  warning    {warning}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Explanation {
+    /// Sizes of the single matrices, unless flow alone has the only one.
+    fn matrices(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.elasticity.is_none() {
+            return Ok(());
+        }
+        for matrix in &self.matrices {
+            let use_of = match (matrix.solved, matrix.factor) {
+                (false, _) => "applied only".to_owned(),
+                (true, 0) => "solved without a factor".to_owned(),
+                (true, factor) => format!("factor {}", bytes(factor)),
+            };
+            writeln!(
+                f,
+                "  matrix     {}: {} unknowns, about {} nonzeros, {use_of}",
+                matrix.name,
+                grouped(matrix.unknowns as u64),
+                grouped(matrix.nonzeros)
+            )?;
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ pub use cloud::{build_cloud, build_families};
 pub use coupling::Coupling;
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
-pub use sample::{Sample, sample};
+pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel};
 
 use crate::geometry::{Cloud, Families, Vector};

@@ -6,13 +6,22 @@ use std::path::{Path, PathBuf};
 
 use super::{OutputError, write_atomically};
 
-/// Column names and rows of a history that was read back.
-#[derive(Debug, Clone, PartialEq)]
+/// Column names and rows of a history.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
     /// Column names with units, such as `time_s` or `pressure_centre_Pa`.
     pub columns: Vec<String>,
     /// One entry per row, each as long as `columns`.
     pub rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// Values of the first column of that name from top to bottom, if there is one.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let place = self.columns.iter().position(|column| column == name)?;
+        let value = |row: &Vec<f64>| row.get(place).copied().unwrap_or(f64::NAN);
+        Some(self.rows.iter().map(value).collect())
+    }
 }
 
 /// A growing CSV file of numbers.
@@ -158,6 +167,16 @@ fn number_line(row: &[f64]) -> String {
 mod tests {
     #![allow(clippy::float_cmp)]
     use super::*;
+
+    #[test]
+    fn a_column_is_found_by_its_name() {
+        let table = Table {
+            columns: columns(),
+            rows: vec![vec![0.0, 1.0, 2.0], vec![3.0, 4.0, 5.0]],
+        };
+        assert_eq!(table.column("ratio"), Some(vec![2.0, 5.0]));
+        assert_eq!(table.column("time"), None);
+    }
 
     fn columns() -> Vec<String> {
         ["time_s", "pressure, centre_Pa", "ratio"]

@@ -9,10 +9,21 @@ use crate::schemes::State;
 
 use super::finish::{extremes, largest};
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+/// Names of the axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Columns before those of probes.
 pub const FIRST: [&str; 3] = ["time_s", "step_s", "iterations"];
+
+/// Heading of the pressure at a probe.
+pub fn pressure_at(probe: &str) -> String {
+    format!("pressure_{probe}_Pa")
+}
+
+/// Heading of a component of the displacement at a probe.
+pub fn displacement_at(axis: &str, probe: &str) -> String {
+    format!("displacement_{axis}_{probe}_m")
+}
 
 /// Headings for a plan of dimension `D`.
 pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
@@ -21,13 +32,13 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
     let volume = format!("m{D}");
     if plan.flow.is_some() {
         columns.extend(["pressure_min_Pa", "pressure_max_Pa"].map(str::to_owned));
-        columns.extend(probes().map(|p| format!("pressure_{}_Pa", p.name)));
+        columns.extend(probes().map(|probe| pressure_at(&probe.name)));
     }
     if let Some(mechanics) = &plan.mechanics {
         columns.push("displacement_max_m".to_owned());
         for probe in probes() {
-            let component = |axis: &str| format!("displacement_{axis}_{}_m", probe.name);
-            columns.extend(AXES[..D].iter().map(|axis| component(axis)));
+            let component = |axis: &&str| displacement_at(axis, &probe.name);
+            columns.extend(AXES[..D].iter().map(component));
         }
         columns.extend(plates::<D>(mechanics).map(|side| format!("plate_{side}_m")));
         columns.extend(["energy_J", "potential_J", "momentum_balance"].map(str::to_owned));

@@ -54,7 +54,7 @@ impl<const D: usize> Run<'_, D> {
             wall_s: wall,
             t_end: self.state.time,
             limit,
-            errors: self.errors(),
+            errors: self.last_errors(),
             errors_over_time: self.timed_errors.clone(),
             outflow: self.outflow().unwrap_or_default(),
             pressure_range: flow.map(|_| extremes(&self.state.pressure)),
@@ -117,6 +117,16 @@ impl<const D: usize> Run<'_, D> {
             let time = self.state.time;
             self.timed_errors.push(TimedErrors { time, errors });
         }
+    }
+
+    /// Errors at the end, which is always an output.
+    fn last_errors(&self) -> BTreeMap<&'static str, FieldError> {
+        let now = self.state.time.to_bits();
+        let last = self
+            .timed_errors
+            .last()
+            .filter(|at| at.time.to_bits() == now);
+        last.map(|at| at.errors.clone()).unwrap_or_default()
     }
 
     /// Errors of all fields of which the plan names an exact solution, now.

@@ -10,7 +10,7 @@ fn names_and_flags_that_do_not_exist() {
             arguments: &["run", "five-spto"],
             code: 2,
             stderr: r#"
-error: there is no file and no bundled case called "five-spto"; did you mean five-spot? (bundled: five-spot, two-layer, channel, heterogeneous, reservoir-3d, theis, manufactured)
+error: there is no file and no bundled case called "five-spto"; did you mean five-spot? (bundled: five-spot, two-layer, channel, heterogeneous, reservoir-3d, theis, terzaghi, terzaghi-graded, terzaghi-tensor, column-3d, mandel, footing, manufactured)
 "#,
             ..FAULT
         },
@@ -211,7 +211,7 @@ error: `implict` is not known here
             name: "a flag with a solver that does not exist",
             arguments: &["run", "scene.toml", "--solver", "faer-ltl"],
             stderr: r#"
-error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, faer-llt, faer-cg
+error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, faer-llt, faer-ldlt, faer-cg
  --> --set #1:1:13
   |
 1 | solver.name="faer-ltl"

@@ -4,13 +4,19 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 7] = [
+const CASES: [&str; 13] = [
     "five-spot",
     "two-layer",
     "channel",
     "heterogeneous",
     "reservoir-3d",
     "theis",
+    "terzaghi",
+    "terzaghi-graded",
+    "terzaghi-tensor",
+    "column-3d",
+    "mandel",
+    "footing",
     "manufactured",
 ];
 

@@ -35,7 +35,7 @@ pub enum LineStyle {
 /// One set of values over a coordinate.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {
-    /// Name in the legend; empty for none.
+    /// Name in the legend; empty for none: the series then looks as the one before it.
     pub label: &'a str,
     /// Coordinates, in the unit of the axis label.
     pub x: &'a [f64],
@@ -102,15 +102,16 @@ fn looks(plot: &LinePlot<'_>) -> Vec<Look> {
         .iter()
         .filter(|s| s.style == LineStyle::Line)
         .count();
-    let look = |(index, series): (usize, &Series<'_>)| {
-        let marked = solid > 1 && series.style == LineStyle::Line;
+    let mut next = 0;
+    let look = |series: &Series<'_>| {
+        next += usize::from(next == 0 || !series.label.is_empty());
         Look {
-            index,
+            index: next - 1,
             style: series.style,
-            marked,
+            marked: solid > 1 && series.style == LineStyle::Line,
         }
     };
-    plot.series.iter().enumerate().map(look).collect()
+    plot.series.iter().map(look).collect()
 }
 
 fn draw(plot: &LinePlot<'_>) -> Drawn<String> {

@@ -235,3 +235,15 @@ fn series_of_unequal_lengths_are_refused() {
     let error = lines_svg(path, &plot(&data)).unwrap_err();
     assert!(error.to_string().contains("torn"), "{error}");
 }
+
+#[test]
+fn a_series_without_a_label_looks_as_the_one_before_it() {
+    let values = [0.0, 1.0];
+    let of = |label| series(label, &values, &values, LineStyle::Dashed);
+    let data = [of("near"), of("exact"), of(""), of("")];
+    let indices: Vec<usize> = looks(&plot(&data)).iter().map(|look| look.index).collect();
+    assert_eq!(indices, [0, 1, 1, 1]);
+    let data = [of(""), of("exact")];
+    let indices: Vec<usize> = looks(&plot(&data)).iter().map(|look| look.index).collect();
+    assert_eq!(indices, [0, 1]);
+}

@@ -21,6 +21,7 @@ mod units;
 
 pub use field::{FieldPlot, Scale, field_png};
 pub use lines::{LinePlot, LineStyle, Series, lines_svg};
+pub use units::readable_time;
 
 /// Result of a drawing step; the text is the reason for [`super::OutputError::Drawing`].
 type Drawn<T> = Result<T, String>;

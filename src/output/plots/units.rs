@@ -83,7 +83,7 @@ fn time_unit(seconds: f64) -> Shown {
 }
 
 /// A time with four digits in a handy unit, such as `2.5 h`.
-pub(super) fn readable_time(seconds: f64) -> String {
+pub fn readable_time(seconds: f64) -> String {
     let shown = engineering("s", seconds);
     format!("{} {}", short_number(seconds / shown.divisor), shown.unit)
 }

@@ -11,7 +11,7 @@ mod tests;
 
 use perifrac_solvers::SolverSpec;
 
-use super::types::{MaterialPlan, Plan, SideCondition};
+use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, TimeMode};
 use crate::geometry::Side;
 use crate::scene::{Diagnostic, LoadedScene, SceneErrors, Span};
 
@@ -131,7 +131,7 @@ impl Resolver<'_> {
 
 /// Doubts about the plan that do not stop it.
 fn warnings(plan: &Plan) -> Vec<String> {
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> = split_doubt(plan).into_iter().collect();
     let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else {
         return warnings;
     };
@@ -159,4 +159,36 @@ fn warnings(plan: &Plan) -> Vec<String> {
         }
     }
     warnings
+}
+
+/// A warning if passing between flow and mechanics makes errors grow.
+///
+/// With τ = α²/(s(λ + 2μ)), τ_b = α²/(s(λ + 2μ/D)) and the relaxation β an error grows from pass to
+/// pass by (τ − β τ_b)/(1 + β τ_b) as steps go to zero, which is above 1 where τ > 1 + 2 β τ_b.
+fn split_doubt(plan: &Plan) -> Option<String> {
+    let relaxation = plan.scheme_options.relaxation;
+    let splits = matches!(
+        plan.scheme,
+        SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_) | SchemeChoice::Staggered(_)
+    );
+    let rests = plan.mechanics.as_ref().is_some_and(|m| !m.inertia);
+    if !splits || !rests || plan.coupling.is_none() || plan.time.mode == TimeMode::Steady {
+        return None;
+    }
+    let strength = |material: &MaterialPlan| {
+        let (lambda, mu) = material.elasticity?.lame();
+        let strain = material.biot_coefficient?.powi(2) / material.storage;
+        let bulk = lambda + 2.0 * mu / plan.dimension as f64;
+        let bar = 1.0 + 2.0 * relaxation * strain / bulk;
+        Some((strain / (lambda + 2.0 * mu), bar))
+    };
+    let worst = (plan.materials.iter())
+        .filter_map(strength)
+        .max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)));
+    worst.filter(|(own, bar)| own > bar).map(|(own, bar)| {
+        format!(
+            "scheme.relaxation = {relaxation} with coupling strength {own:.1}: the split alone \
+             diverges above {bar}; set scheme.relaxation = 1"
+        )
+    })
 }

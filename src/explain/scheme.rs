@@ -1,0 +1,122 @@
+//! How steps are taken, and what solves their systems.
+
+use perifrac_solvers::{Choice, SolveError, choose_by_size, choose_quasi_definite};
+
+use super::size::{System, systems};
+use super::{Reason, reason};
+use crate::model::Sample;
+use crate::plan::{Plan, SchemeChoice, SolidMethod, StepRule, TimeMode};
+
+/// The scheme and the rule of its steps.
+pub(super) fn scheme(plan: &Plan) -> Reason {
+    if plan.time.mode == TimeMode::Steady {
+        return reason("steady", "time.mode = \"steady\": one solve, no time loop");
+    }
+    let steps = steps(plan);
+    match &plan.mechanics {
+        None => reason(pressure(plan), steps),
+        Some(mechanics) if mechanics.inertia => reason(dynamic(plan), steps),
+        Some(_) if plan.flow.is_none() => {
+            let name = format!("quasi-static ({})", solid(plan));
+            reason(name, format!("equilibrium after each step, {steps}"))
+        }
+        Some(_) => coupled(plan, &steps),
+    }
+}
+
+/// Name of the scheme of the pressure.
+fn pressure(plan: &Plan) -> String {
+    match plan.scheme.integrator() {
+        None => "explicit forward-euler".to_owned(),
+        Some(integrator) => format!("{} {}", plan.scheme.name(), integrator.name()),
+    }
+}
+
+fn dynamic(plan: &Plan) -> &'static str {
+    match (plan.scheme, &plan.flow) {
+        (SchemeChoice::SemiImplicit(_), Some(_)) => "semi-implicit (backward-euler, verlet)",
+        (_, Some(_)) => "explicit (forward-euler, verlet)",
+        (_, None) => "explicit (verlet)",
+    }
+}
+
+fn coupled(plan: &Plan, steps: &str) -> Reason {
+    let integrator = plan.scheme.integrator().map_or("", |own| own.name());
+    let (name, how) = match plan.scheme {
+        SchemeChoice::Explicit => (pressure(plan), "the solid relaxes after each step"),
+        SchemeChoice::SemiImplicit(_) => (pressure(plan), "the solid relaxes after each solve"),
+        SchemeChoice::Staggered(_) => (pressure(plan), "flow and solid in turn until they agree"),
+        SchemeChoice::Implicit(_) | SchemeChoice::Monolithic(_) => (
+            format!("monolithic {integrator}"),
+            "flow and solid in one system",
+        ),
+    };
+    reason(name, format!("{how}, {steps}"))
+}
+
+/// How the solid comes to rest.
+fn solid(plan: &Plan) -> &'static str {
+    match (plan.scheme, plan.scheme_options.solid) {
+        (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Verlet) => "verlet",
+        (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Adr) => "adr",
+        (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Switched) => {
+            "adr, switched"
+        }
+        _ => "newton",
+    }
+}
+
+fn steps(plan: &Plan) -> String {
+    let inertia = (plan.mechanics.as_ref()).is_some_and(|mechanics| mechanics.inertia);
+    let at_rest = plan.flow.is_none() && !inertia;
+    match plan.time.step {
+        StepRule::Fixed(dt) => format!("constant steps of {dt:.3e} s"),
+        _ if at_rest => "steps free to grow".to_owned(),
+        _ if inertia || plan.scheme == SchemeChoice::Explicit => {
+            format!("steps of {} × the stability limit", plan.time.safety)
+        }
+        _ => format!(
+            "adaptive steps, error of a step ≤ {:.1e} of the range",
+            plan.time.tolerance
+        ),
+    }
+}
+
+/// The linear solvers of all systems, and why.
+pub(super) fn solver(plan: &Plan, sample: &Sample) -> Reason {
+    let systems = systems(plan);
+    let chosen: Vec<(System, Reason)> = (systems.iter())
+        .map(|&system| (system, choice(plan, sample, system)))
+        .collect();
+    match &chosen[..] {
+        [] if plan.flow.is_some() => reason("none", "explicit steps solve no system"),
+        [] => reason("none", "no system is solved"),
+        [(_, only)] => only.clone(),
+        [(_, first), ..] if plan.solver.name() != "auto" => first.clone(),
+        several => {
+            let mut names: Vec<&str> = several.iter().map(|(_, own)| own.name.as_str()).collect();
+            names.dedup();
+            let whys: Vec<String> = (several.iter())
+                .map(|(system, own)| format!("{}: {}", system.name(), own.why))
+                .collect();
+            reason(names.join(" + "), whys.join("; "))
+        }
+    }
+}
+
+/// The linear solver of one system.
+pub(super) fn choice(plan: &Plan, sample: &Sample, system: System) -> Reason {
+    if plan.solver.name() != "auto" {
+        return reason(plan.solver.to_string(), "asked for");
+    }
+    let unknowns = system.width(plan.dimension) * sample.points;
+    let row = system.row(plan.dimension, sample);
+    let choice: Result<Choice, SolveError> = match system {
+        System::Monolithic => choose_quasi_definite(unknowns, row),
+        System::Flow | System::Mechanics => choose_by_size(unknowns, row, plan.dimension),
+    };
+    match choice {
+        Ok(choice) => reason(choice.spec.to_string(), choice.reason),
+        Err(error) => reason("auto", error.to_string()),
+    }
+}

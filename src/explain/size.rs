@@ -1,0 +1,167 @@
+//! Sizes of matrices, factors and everything else that is held.
+
+use super::scheme::choice;
+use super::{MatrixSize, Memory};
+use crate::model::Sample;
+use crate::plan::{Plan, SchemeChoice, TimeMode};
+
+/// A matrix and what it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum System {
+    /// Pressure.
+    Flow,
+    /// Displacement.
+    Mechanics,
+    /// Both in one.
+    Monolithic,
+}
+
+impl System {
+    /// Name of the one system of both fields.
+    pub(super) const MONOLITHIC: &'static str = "monolithic";
+
+    /// Name for people.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            System::Flow => "flow",
+            System::Mechanics => "mechanics",
+            System::Monolithic => Self::MONOLITHIC,
+        }
+    }
+
+    /// Unknowns per point.
+    pub(super) fn width(self, dimension: usize) -> usize {
+        match self {
+            System::Flow => 1,
+            System::Mechanics => dimension,
+            System::Monolithic => dimension + 1,
+        }
+    }
+
+    /// Points that a point is coupled to, its own included.
+    fn neighbours(self, sample: &Sample) -> f64 {
+        let flow = sample.flow.as_ref().map_or(0.0, |flow| flow.nonzeros);
+        let solid = sample.solid.as_ref().map_or(0.0, |solid| solid.neighbours);
+        match self {
+            System::Flow => flow,
+            System::Mechanics => solid,
+            System::Monolithic => flow.max(solid),
+        }
+    }
+
+    /// Nonzeros per row.
+    pub(super) fn row(self, dimension: usize, sample: &Sample) -> f64 {
+        self.width(dimension) as f64 * self.neighbours(sample)
+    }
+}
+
+/// The linear systems that the plan's scheme solves.
+pub(super) fn systems(plan: &Plan) -> Vec<System> {
+    let inertia = (plan.mechanics.as_ref()).is_some_and(|mechanics| mechanics.inertia);
+    let (flow, solid) = (plan.flow.is_some(), plan.mechanics.is_some());
+    let both = flow && solid;
+    let steady = plan.time.mode == TimeMode::Steady;
+    let (solves_flow, solves_solid) = match plan.scheme {
+        _ if steady => (true, true),
+        SchemeChoice::Explicit => (false, false),
+        SchemeChoice::SemiImplicit(_) => (true, false),
+        SchemeChoice::Implicit(_) | SchemeChoice::Monolithic(_) if both && !inertia => {
+            return vec![System::Monolithic];
+        }
+        _ => (true, !inertia),
+    };
+    let parts = [
+        (System::Flow, flow && solves_flow),
+        (System::Mechanics, solid && solves_solid),
+    ];
+    let solved = parts.into_iter().filter(|(_, solved)| *solved);
+    solved.map(|(system, _)| system).collect()
+}
+
+/// Every matrix that is held: the operators, and the one system of both.
+pub(super) fn matrices(plan: &Plan, sample: &Sample) -> Vec<MatrixSize> {
+    let solved = systems(plan);
+    let operators = [
+        sample.flow.as_ref().map(|_| System::Flow),
+        sample.solid.as_ref().map(|_| System::Mechanics),
+    ];
+    let both = solved.contains(&System::Monolithic);
+    let held = operators.into_iter().flatten();
+    let held = held.chain(both.then_some(System::Monolithic));
+    held.map(|system| matrix(plan, sample, system, solved.contains(&system)))
+        .collect()
+}
+
+fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixSize {
+    let unknowns = system.width(plan.dimension) * sample.points;
+    let nonzeros = system.row(plan.dimension, sample) * unknowns as f64;
+    let bytes = match system {
+        // The operator, and the system's own values beside its own.
+        System::Flow if solved => 20.0,
+        System::Flow => 12.0,
+        // The pattern over points is held beside the one over unknowns.
+        System::Mechanics => 12.0 + 4.0 / (plan.dimension * plan.dimension) as f64,
+        System::Monolithic => 20.0,
+    };
+    let name = choice(plan, sample, system).name;
+    let direct = solved && (name.contains("llt") || name.contains("ldlt"));
+    let factor = match direct {
+        true => 12.0 * nonzeros * fill(plan.dimension, sample, system),
+        false => 0.0,
+    };
+    MatrixSize {
+        name: system.name(),
+        unknowns,
+        nonzeros: nonzeros as u64,
+        solved,
+        bytes: (bytes * nonzeros) as u64,
+        factor: factor as u64,
+    }
+}
+
+/// Fill of a factor with nested dissection per nonzero of the matrix, from measured factors.
+fn fill(dimension: usize, sample: &Sample, system: System) -> f64 {
+    let points = sample.points as f64;
+    let fill = match (system, dimension) {
+        // One hop: about n log n in 2-D and n^(4/3) in 3-D.
+        (System::Flow, 2) => 0.31 * points.log2(),
+        (System::Flow, _) => 0.14 * points.cbrt(),
+        // Two hops: separators are as thick as rows are long, and no wider than the cloud.
+        (_, 2) => {
+            let across = 1.3 * sample.across.powi(2) / system.neighbours(sample);
+            return (0.41 * across.log2()).max(0.6);
+        }
+        (_, _) => sample.across / system.neighbours(sample).cbrt(),
+    };
+    fill.max(1.0)
+}
+
+/// Estimated memory of a model and its matrices.
+pub(super) fn memory(plan: &Plan, sample: &Sample, matrices: &[MatrixSize]) -> Memory {
+    let (points, dimension) = (sample.points as f64, plan.dimension as f64);
+    let per_point = 8.0 * (dimension * dimension + 1.0) + 20.0;
+    let families = |bonds: f64| 25.0 * bonds * points + points * per_point;
+    let weights = |bonds: f64, kept: usize| kept as f64 * bonds * points * 8.0 * dimension;
+    let (mut bonds, mut gradients, mut fields) = (0.0, 0.0, 0.0);
+    if let Some(flow) = &sample.flow {
+        let kept = usize::from(flow.second_hop) * (1 + usize::from(flow.corrected));
+        bonds += families(flow.bonds);
+        gradients += weights(flow.bonds, kept);
+        fields += points * 8.0 * (2.0 * dimension + 16.0);
+    }
+    if let Some(solid) = &sample.solid {
+        bonds += families(solid.bonds);
+        gradients += weights(solid.bonds, 1 + usize::from(solid.corrected));
+        fields += points * 8.0 * 16.0 * dimension;
+    }
+    let held: u64 = matrices.iter().map(|matrix| matrix.bytes).sum();
+    let factors: u64 = matrices.iter().map(|matrix| matrix.factor).sum();
+    Memory {
+        bonds: bonds as u64,
+        gradients: gradients as u64,
+        matrices: held,
+        factor: factors,
+        fields: fields as u64,
+        total: (bonds + gradients + fields) as u64 + held + factors,
+    }
+}

@@ -1,0 +1,267 @@
+//! Explanations of coupled and of purely mechanical plans.
+
+use std::path::Path;
+
+use super::*;
+use crate::model::Model;
+use crate::plan::resolve;
+use crate::report::Timers;
+use crate::scene;
+
+const TERZAGHI: &str = include_str!("../../cases/terzaghi/scene.toml");
+
+/// A loaded block that nothing flows through, small enough for every point to be sampled.
+const SOLID: &str = r#"title = "Solid"
+[geometry]
+type = "lattice"
+size = [6, 4]
+points = [6, 4]
+[materials.rock]
+youngs_modulus = "10 GPa"
+poissons_ratio = 0.25
+density = "2500 kg/m^3"
+[gravity]
+acceleration = [0, -10]
+[mechanics]
+body_force = [1, 0]
+[mechanics.initial_stress]
+xx = 5
+[mechanics.boundary]
+bottom = { clamped = true }
+left = { traction = [1, 0] }
+[mechanics.loads.footing]
+side = "top"
+traction = [0, -3]
+[time]
+end = 1
+"#;
+
+fn plan_of(text: &str, overrides: &[&str]) -> Plan {
+    let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+    let loaded = scene::load_str("test", text, Path::new(""), &overrides)
+        .unwrap_or_else(|errors| panic!("{errors}"));
+    resolve(&loaded, "test").unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn solid(overrides: &[&str]) -> Explanation {
+    explain::<2>(&plan_of(SOLID, overrides)).unwrap()
+}
+
+/// The bundled case without its outputs and its exact solution, which fix its extent and its times.
+fn column(overrides: &[&str]) -> Plan {
+    let end = TERZAGHI.find("[output]").unwrap();
+    plan_of(&TERZAGHI[..end], overrides)
+}
+
+fn terzaghi(overrides: &[&str]) -> Explanation {
+    explain::<2>(&column(overrides)).unwrap()
+}
+
+fn names(reasons: &[Reason]) -> Vec<&str> {
+    reasons.iter().map(|reason| reason.name.as_str()).collect()
+}
+
+fn value(told: &Explanation, name: &str) -> Option<f64> {
+    let found = told.numbers.iter().find(|number| number.name == name);
+    found.map(|number| number.value)
+}
+
+fn limit<'a>(told: &'a Explanation, scheme: &str) -> Option<&'a Limit> {
+    told.limits.iter().find(|limit| limit.scheme == scheme)
+}
+
+/// Name, unknowns, and whether it is solved and factored.
+fn matrices(told: &Explanation) -> Vec<(&str, usize, bool, bool)> {
+    let own = |m: &MatrixSize| (m.name, m.unknowns, m.solved, m.factor > 0);
+    told.matrices.iter().map(own).collect()
+}
+
+fn close(found: Option<f64>, expected: f64) {
+    let found = found.unwrap();
+    assert!(
+        (found / expected - 1.0).abs() < 1e-6,
+        "{found} instead of {expected}"
+    );
+}
+
+#[test]
+fn mechanics_alone_is_explained_without_flow() {
+    let told = solid(&[]);
+    assert_eq!((told.points, told.unknowns), (24, 48));
+    assert_eq!(
+        names(&told.effects),
+        [
+            "mechanics",
+            "traction",
+            "loads",
+            "body-force",
+            "weight",
+            "initial-stress"
+        ]
+    );
+    assert!(told.effects[1].why.contains("left"), "{:?}", told.effects);
+    assert!(
+        told.effects[2].why.contains("footing"),
+        "{:?}",
+        told.effects
+    );
+    assert!(told.operator.is_none());
+    assert_eq!(told.elasticity.as_ref().unwrap().why, "two hops");
+    assert_eq!(told.scheme.name, "quasi-static (newton)");
+    assert_eq!(told.solver.name, "faer-llt");
+    assert_eq!(matrices(&told), [("mechanics", 48, true, true)]);
+    let relaxed = solid(&["scheme.name=explicit"]);
+    assert_eq!(relaxed.scheme.name, "quasi-static (adr, switched)");
+    assert_eq!(relaxed.solver.name, "none");
+    assert_eq!(matrices(&relaxed), [("mechanics", 48, false, false)]);
+    assert!(value(&told, "contrast").is_none() && value(&told, "Fourier").is_none());
+    let text = told.to_string();
+    for line in [
+        "operator   elastic: two hops",
+        "matrix     mechanics: 48 unknowns",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+}
+
+/// All 24 points are sampled, so the sizes are those of the model.
+#[test]
+fn sizes_of_a_small_cloud_are_exact() {
+    let told = solid(&[]);
+    let model = Model::<2>::build(&plan_of(SOLID, &[]), &mut Timers::default()).unwrap();
+    let solid = model.solid.unwrap();
+    let found = (solid.elastic.around.families.bonds(), solid.stiffness.nnz());
+    assert_eq!((told.bonds as usize, told.nonzeros as usize), found);
+    let coupled: &[&str] = &["geometry.size=[0.4, 0.2]"];
+    let model = Model::<2>::build(&column(coupled), &mut Timers::default()).unwrap();
+    let (flow, solid) = (model.flow.unwrap(), model.solid.unwrap());
+    let told = terzaghi(coupled);
+    let nonzeros: Vec<usize> = told.matrices.iter().map(|m| m.nonzeros as usize).collect();
+    let union = solid.points.union(&flow.pattern).unwrap().nonzeros();
+    let found = [flow.pattern.nonzeros(), solid.stiffness.nnz(), 9 * union];
+    assert_eq!(nonzeros, found);
+    let families = &flow.operator.neighbourhood().families;
+    assert_eq!(told.bonds as usize, families.bonds());
+}
+
+/// ρ = 2500 kg/m³ and λ + 2μ = 12 GPa (E = 10 GPa, ν = 1/4) at Δx = 1 m: 0.7 √(2500/12e9) s.
+#[test]
+fn waves_limit_where_the_density_is_known() {
+    let expected = 0.7 * (2500.0 / 12e9_f64).sqrt();
+    close(limit(&solid(&[]), "dynamic").map(|own| own.dt), expected);
+    let dynamic = solid(&["mechanics.mode=dynamic", "scheme.name=explicit"]);
+    close(limit(&dynamic, "dynamic").map(|own| own.dt), expected);
+    assert!(limit(&dynamic, "implicit").is_none());
+    assert_eq!(dynamic.scheme.name, "explicit (verlet)");
+    assert!(limit(&terzaghi(&[]), "dynamic").is_none());
+    // α²/s = 0.25/1.65e-10 Pa is added to λ + 2μ = 100 MPa; Δx = 0.05 m.
+    let modulus = 1e8 + 0.25 / 1.65e-10;
+    let wet = terzaghi(&["materials.rock.density=2000"]);
+    let expected = 0.7 * 0.05 * (2000.0_f64 / modulus).sqrt();
+    close(limit(&wet, "dynamic").map(|own| own.dt), expected);
+}
+
+/// Loading efficiency and c_v of Table 1; τ = 0.25/(1.65e-10 · 1e8).
+#[test]
+fn numbers_of_the_coupling_are_those_of_the_column() {
+    let told = terzaghi(&[]);
+    close(value(&told, "coupling strength"), 0.25 / 0.0165);
+    close(value(&told, "loading efficiency"), 1.8761726079);
+    close(value(&told, "c_v"), 0.3752345216);
+    close(
+        value(&told, "oscillation step"),
+        0.0025 / (6.0 * 0.3752345216),
+    );
+    close(value(&told, "Fourier"), 60.0 * 0.3752345216 / 225.0);
+    assert!(value(&told, "Poisson's ratio").is_none());
+    let soft = terzaghi(&["materials.rock.poissons_ratio=0.49"]);
+    close(value(&soft, "Poisson's ratio"), 0.49);
+    let eq_71 = limit(&told, "lagged strain").unwrap();
+    close(Some(eq_71.dt), 0.5 * 0.0025 / 0.3752345216);
+    assert!(eq_71.limiter.contains("Eq. 71"), "{}", eq_71.limiter);
+    let steady = terzaghi(&["time.mode=steady"]);
+    assert!(steady.limits.is_empty() && value(&steady, "c_v").is_none());
+}
+
+/// The split adds β α²/(λ + 2μ/D) to s; with ν = 0 in the plane λ + μ = 50 MPa.
+#[test]
+fn the_explicit_limit_counts_what_the_split_stores() {
+    let dt = |set: &str| {
+        limit(&terzaghi(&[set]), "explicit")
+            .map(|own| own.dt)
+            .unwrap()
+    };
+    let (split, bare) = (dt("scheme.relaxation=1"), dt("scheme.relaxation=0"));
+    let expected = (1.65e-10 + 0.25 / 5e7) / 1.65e-10;
+    close(Some(split / bare), expected);
+}
+
+#[test]
+fn effects_and_matrices_depend_on_the_scheme() {
+    let told = terzaghi(&[]);
+    assert_eq!(
+        names(&told.effects),
+        ["flow", "mechanics", "traction", "coupling"]
+    );
+    let scheme = |name: &str| terzaghi(&[&format!("scheme.name={name}")]);
+    for name in ["implicit", "monolithic"] {
+        let told = scheme(name);
+        assert_eq!((told.points, told.unknowns), (6000, 18000));
+        assert_eq!(told.scheme.name, "monolithic tr-bdf2");
+        assert_eq!(told.solver.name, "faer-ldlt");
+        assert!(
+            told.solver.why.contains("18000 unknowns"),
+            "{:?}",
+            told.solver
+        );
+        let expected = [
+            ("flow", 6000, false, false),
+            ("mechanics", 12000, false, false),
+            ("monolithic", 18000, true, true),
+        ];
+        assert_eq!(matrices(&told), expected);
+    }
+    for (name, flow, solid, solver) in [
+        ("staggered", true, true, "faer-llt"),
+        ("semi-implicit", true, false, "faer-llt"),
+        ("explicit", false, false, "none"),
+    ] {
+        let told = scheme(name);
+        let expected = [
+            ("flow", 6000, flow, flow),
+            ("mechanics", 12000, solid, solid),
+        ];
+        assert_eq!(matrices(&told), expected, "{name}");
+        assert_eq!(told.solver.name, solver, "{name}");
+        assert!(told.scheme.name.starts_with(name), "{}", told.scheme.name);
+    }
+    let why = scheme("staggered").solver.why;
+    assert!(
+        why.contains("flow: 6000 unknowns") && why.contains("mechanics: 12000 unknowns"),
+        "{why}"
+    );
+    let steady = terzaghi(&["time.mode=steady"]);
+    assert_eq!(
+        steady.matrices.iter().map(|m| m.solved).collect::<Vec<_>>(),
+        [true, true]
+    );
+}
+
+#[test]
+fn a_split_that_diverges_is_warned_of() {
+    let warned = |sets: &[&str]| terzaghi(sets).warnings;
+    for scheme in ["explicit", "semi-implicit", "staggered"] {
+        let name = format!("scheme.name={scheme}");
+        assert_eq!(
+            warned(&[&name, "scheme.relaxation=0"]),
+            [
+                "scheme.relaxation = 0 with coupling strength 15.2: the split alone diverges above \
+                 1; set scheme.relaxation = 1"
+            ]
+        );
+        assert!(warned(&[&name]).is_empty());
+        let stiff = "materials.rock.youngs_modulus=10 GPa";
+        assert!(warned(&[&name, "scheme.relaxation=0", stiff]).is_empty());
+    }
+    assert!(warned(&["scheme.relaxation=0"]).is_empty());
+}

@@ -1,0 +1,243 @@
+//! What a model will cost, from families of a few points, before anything large is built.
+
+mod coupled;
+mod family;
+
+pub use coupled::CoupledSample;
+
+use self::family::LocalFamily;
+use super::properties::{self, Properties};
+use super::{ModelError, build_cloud};
+use crate::geometry::{Cloud, Sampler};
+use crate::plan::{FlowPlan, MechanicsPlan, OperatorChoice, Plan};
+
+/// Averages over sampled points and extremes over all points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Points of the cloud.
+    pub points: usize,
+    /// Points along the edge of the smallest cross-section of the cloud.
+    pub across: f64,
+    /// Smallest and largest horizon, m.
+    pub horizon: [f64; 2],
+    /// Smallest and largest spacing, m.
+    pub spacing: [f64; 2],
+    /// Largest edge of the domain, m.
+    pub extent: f64,
+    /// Points per material.
+    pub per_material: Vec<usize>,
+    /// Flow, if the plan names it.
+    pub flow: Option<FlowSample>,
+    /// Deformation, if the plan names it.
+    pub solid: Option<SolidSample>,
+    /// What couples the two, if the plan names it.
+    pub coupling: Option<CoupledSample>,
+}
+
+/// What flow costs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlowSample {
+    /// Bonds per point, images included.
+    pub bonds: f64,
+    /// Nonzeros per row of the matrix.
+    pub nonzeros: f64,
+    /// Whether some sampled family reaches a second hop.
+    pub second_hop: bool,
+    /// Whether the gradient will be made divergence-consistent.
+    pub corrected: bool,
+    /// Smallest and largest mobility, m²/(Pa s).
+    pub mobility: [f64; 2],
+    /// Smallest and largest diffusivity κ/s, m²/s.
+    pub diffusivity: [f64; 2],
+    /// Explicit step limit: smallest over all points with the sampled families' largest eigenvalue;
+    /// with what a fixed-stress split adds to the storage.
+    pub limit: PointLimit,
+}
+
+/// What deformation costs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolidSample {
+    /// Bonds per point, images included.
+    pub bonds: f64,
+    /// Points that a point is coupled to, its own included.
+    pub neighbours: f64,
+    /// Whether the gradient will be made divergence-consistent.
+    pub corrected: bool,
+    /// Largest Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Step limit by waves, where the density of every point is known.
+    pub waves: Option<PointLimit>,
+}
+
+/// A largest step and the point that sets it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointLimit {
+    /// The step, s.
+    pub dt: f64,
+    /// The point.
+    pub point: usize,
+    /// Its position, m.
+    pub position: Vec<f64>,
+}
+
+impl PointLimit {
+    /// The smallest of the steps that `limit` gives for every point, s.
+    fn smallest<const D: usize>(cloud: &Cloud<D>, limit: impl Fn(usize) -> f64) -> Self {
+        let point = (0..cloud.len())
+            .min_by(|&a, &b| limit(a).total_cmp(&limit(b)))
+            .unwrap_or(0);
+        PointLimit {
+            dt: limit(point),
+            point,
+            position: cloud.position[point].iter().copied().collect(),
+        }
+    }
+}
+
+const SAMPLES: usize = 48;
+/// Share of the step of Eq. 60 that is taken (Eq. 61).
+const WAVE_SHARE: f64 = 0.7;
+
+/// Samples the model of a plan.
+///
+/// # Errors
+/// [`ModelError`] as building would give.
+pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
+    if plan.flow.is_none() && plan.mechanics.is_none() {
+        return Err(ModelError::NothingToDo);
+    }
+    let (cloud, table) = build_cloud::<D>(plan)?;
+    let points = properties::assign(plan, &cloud, table)?;
+    let sampler = Sampler::new(&cloud, plan.horizon)?;
+    let hourglass = plan.flow.as_ref().map_or(1.0, |flow| flow.hourglass);
+    let families: Vec<LocalFamily> = sampled_points(cloud.len())
+        .into_iter()
+        .map(|i| LocalFamily::new(plan, &cloud, &sampler, i, hourglass))
+        .collect();
+    let mut per_material = vec![0; plan.materials.len()];
+    points
+        .material
+        .iter()
+        .for_each(|&m| per_material[usize::from(m)] += 1);
+    let seen = Seen {
+        plan,
+        cloud: &cloud,
+        points: &points,
+        families: &families,
+    };
+    Ok(Sample {
+        points: cloud.len(),
+        across: across(&cloud),
+        horizon: extremes(sampler.horizon().iter().copied()),
+        spacing: extremes((0..cloud.len()).map(|i| cloud.spacing(i))),
+        extent: cloud.domain.size().amax(),
+        per_material,
+        flow: plan.flow.as_ref().map(|flow| seen.flow(flow)),
+        solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
+        coupling: plan.coupling.map(|_| seen.coupling()),
+    })
+}
+
+/// What all samples are taken from.
+struct Seen<'a, const D: usize> {
+    plan: &'a Plan,
+    cloud: &'a Cloud<D>,
+    points: &'a Properties,
+    families: &'a [LocalFamily],
+}
+
+impl<const D: usize> Seen<'_, D> {
+    fn mean(&self, value: impl Fn(&LocalFamily) -> usize) -> f64 {
+        let sum: f64 = self
+            .families
+            .iter()
+            .map(|family| value(family) as f64)
+            .sum();
+        sum / self.families.len().max(1) as f64
+    }
+
+    /// κ of a point, m²/(Pa s).
+    fn mobility(&self, point: usize) -> f64 {
+        self.points.permeability[point] / self.plan.fluid.viscosity
+    }
+
+    fn flow(&self, flow: &FlowPlan) -> FlowSample {
+        let (cloud, families) = (self.cloud, self.families);
+        let bond = flow.operator == OperatorChoice::Bond;
+        let corrected = !bond && flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
+        let second_hop = corrected || !bond && families.iter().any(|family| !family.one_hop);
+        let eigenvalue = families.iter().map(|f| f.eigenvalue).fold(0.0, f64::max);
+        let limit = |i: usize| {
+            let diffusivity = self.mobility(i) / self.explicit_storage(i);
+            2.0 * cloud.spacing(i).powi(2) / (diffusivity * eigenvalue)
+        };
+        let points = 0..cloud.len();
+        let diffusivity = |i: usize| self.mobility(i) / self.points.storage[i];
+        FlowSample {
+            bonds: self.mean(|family| family.bonds),
+            nonzeros: self.mean(|f| if second_hop { f.two_hops } else { f.hops }),
+            second_hop,
+            corrected,
+            mobility: extremes(points.clone().map(|i| self.mobility(i))),
+            diffusivity: extremes(points.map(diffusivity)),
+            limit: PointLimit::smallest(cloud, limit),
+        }
+    }
+
+    fn solid(&self, mechanics: &MechanicsPlan) -> SolidSample {
+        let cloud = self.cloud;
+        let ratio = |lame: &crate::operators::Lame| 0.5 * lame.lambda / (lame.lambda + lame.mu);
+        SolidSample {
+            bonds: self.mean(|family| family.solid_bonds),
+            neighbours: self.mean(|family| family.two_hops),
+            corrected: mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes),
+            poissons_ratio: self.points.lame.iter().map(ratio).fold(0.0, f64::max),
+            waves: self.waves(),
+        }
+    }
+
+    /// Eqs. 60 and 61 with the undrained modulus λ + 2μ + α²/s where fluid resists.
+    fn waves(&self) -> Option<PointLimit> {
+        let density: Option<Vec<f64>> = (self.points.material.iter())
+            .map(|&m| self.plan.materials[usize::from(m)].density)
+            .collect();
+        let density = density?;
+        let step = |i: usize| {
+            let fluid = match self.plan.coupling {
+                Some(_) => self.points.biot_coefficient[i].powi(2) / self.points.storage[i],
+                None => 0.0,
+            };
+            let modulus = self.oedometer_modulus(i) + fluid;
+            WAVE_SHARE * self.cloud.spacing(i) * (density[i] / modulus).sqrt()
+        };
+        Some(PointLimit::smallest(self.cloud, step))
+    }
+
+    /// λ + 2μ of a point, Pa.
+    fn oedometer_modulus(&self, point: usize) -> f64 {
+        let lame = &self.points.lame[point];
+        lame.lambda + 2.0 * lame.mu
+    }
+}
+
+/// Points spread evenly over the cloud's order.
+fn sampled_points(count: usize) -> Vec<usize> {
+    let samples = SAMPLES.min(count);
+    (0..samples)
+        .map(|k| (2 * k + 1) * count / (2 * samples))
+        .collect()
+}
+
+/// Points along the edge of the smallest cross-section: its extent over the mean spacing.
+fn across<const D: usize>(cloud: &Cloud<D>) -> f64 {
+    let size = cloud.domain.size();
+    let spacing = (size.iter().product::<f64>() / cloud.len() as f64).powf(1.0 / D as f64);
+    let face = size.iter().product::<f64>() / size.amax();
+    face.powf(1.0 / (D as f64 - 1.0)) / spacing
+}
+
+fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, 0.0], |[low, high], v| {
+        [low.min(v), high.max(v)]
+    })
+}

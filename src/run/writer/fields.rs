@@ -1,0 +1,170 @@
+//! Fields of one output as VTU. What a scene does not name has no array.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use crate::geometry::Matrix;
+use crate::model::{FlowModel, Model, SolidModel};
+use crate::operators::Lame;
+use crate::output::{Field, OutputError, VtuData, write_vtu};
+use crate::plan::Plan;
+use crate::schemes::State;
+
+/// Rows and columns of the components of a stress: xx, yy, zz, xy, yz, xz.
+const TENSOR: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
+
+/// An array of the file, owned or borrowed from the state.
+struct Array<'a> {
+    name: &'static str,
+    unit: &'static str,
+    components: usize,
+    values: Cow<'a, [f64]>,
+}
+
+impl Array<'_> {
+    fn field(&self) -> Field<'_> {
+        Field {
+            name: self.name,
+            unit: self.unit,
+            components: self.components,
+            values: &self.values,
+        }
+    }
+}
+
+/// Writes all fields of a state to `path`.
+///
+/// # Errors
+/// Those of [`write_vtu`].
+pub fn write<const D: usize>(
+    path: &Path,
+    plan: &Plan,
+    model: &Model<D>,
+    state: &State,
+) -> Result<(), OutputError> {
+    let mut arrays = Vec::new();
+    if let Some(flow) = &model.flow {
+        arrays.extend(of_flow(model, flow, state));
+    }
+    if let Some(solid) = &model.solid {
+        let mechanics = plan.mechanics.as_ref();
+        let initial = mechanics.and_then(|mechanics| mechanics.initial_stress);
+        arrays.extend(of_solid(solid, state, &initial.unwrap_or_default()));
+    }
+    let material: Vec<f64> = model.material.iter().map(|&m| f64::from(m)).collect();
+    arrays.push(array("volume", "m^D", 1, &model.cloud.volume[..]));
+    arrays.push(array("material_id", "", 1, material));
+    let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
+    let data = VtuData {
+        positions: &model.cloud.flat_positions(),
+        dimension: D,
+        time: state.time,
+        fields: &fields,
+    };
+    write_vtu(path, &data)
+}
+
+fn array<'a>(
+    name: &'static str,
+    unit: &'static str,
+    components: usize,
+    values: impl Into<Cow<'a, [f64]>>,
+) -> Array<'a> {
+    Array {
+        name,
+        unit,
+        components,
+        values: values.into(),
+    }
+}
+
+/// Pressure, Darcy velocity and permeability.
+fn of_flow<'a, const D: usize>(
+    model: &'a Model<D>,
+    flow: &FlowModel<D>,
+    state: &'a State,
+) -> [Array<'a>; 3] {
+    let velocity: Vec<f64> = flow
+        .velocity(&state.pressure, state.time)
+        .iter()
+        .flat_map(|v| v.iter().copied())
+        .collect();
+    [
+        array("pressure", "Pa", 1, &state.pressure[..]),
+        array("velocity", "m/s", D, velocity),
+        array("permeability", "m^2", 1, &model.permeability[..]),
+    ]
+}
+
+/// Displacement, effective stress (tension positive), volumetric strain, and the velocity of the
+/// solid if it has one.
+fn of_solid<'a, const D: usize>(
+    solid: &SolidModel<D>,
+    state: &'a State,
+    initial: &[f64; 6],
+) -> Vec<Array<'a>> {
+    let slopes = solid.slopes(&state.displacement, &state.walls);
+    let stress: Vec<f64> = slopes
+        .iter()
+        .zip(&solid.elastic.lame)
+        .flat_map(|(slope, lame)| stress(*lame, slope, initial))
+        .collect();
+    let volumetric: Vec<f64> = slopes.iter().map(Matrix::trace).collect();
+    let mut arrays = vec![
+        array("displacement", "m", D, &state.displacement[..]),
+        array("effective_stress", "Pa", 6, stress),
+        array("volumetric_strain", "", 1, volumetric),
+    ];
+    if !state.velocity.is_empty() {
+        arrays.push(array("solid_velocity", "m/s", D, &state.velocity[..]));
+    }
+    arrays
+}
+
+/// Effective stress C:ε + σ⁰ of a displacement gradient, Pa: xx, yy, zz, xy, yz, xz.
+///
+/// In plane strain zz is λ tr(ε), and yz and xz are those of σ⁰.
+fn stress<const D: usize>(lame: Lame, slope: &Matrix<D>, initial: &[f64; 6]) -> [f64; 6] {
+    let strain = (slope + slope.transpose()) * 0.5;
+    let elastic = lame.stress(&strain);
+    let component = |(a, b): (usize, usize)| match a.max(b) < D {
+        true => elastic[(a, b)],
+        false if a == b => lame.lambda * strain.trace(),
+        false => 0.0,
+    };
+    std::array::from_fn(|k| component(TENSOR[k]) + initial[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAME: Lame = Lame {
+        lambda: 4.0,
+        mu: 3.0,
+    };
+
+    fn assert_close(found: [f64; 6], expected: [f64; 6]) {
+        let near = found
+            .iter()
+            .zip(expected)
+            .all(|(f, e)| (f - e).abs() < 1e-12);
+        assert!(near, "{found:?} {expected:?}");
+    }
+
+    /// By hand: ε = (2, 1; 1, 3), tr ε = 5, σ = 4·5 + 6 ε; the thickness cannot stretch.
+    #[test]
+    fn plane_strain_has_a_stress_across_the_plane() {
+        let slope = Matrix::<2>::new(2.0, 0.5, 1.5, 3.0);
+        let found = stress(LAME, &slope, &[0.0; 6]);
+        assert_close(found, [32.0, 38.0, 20.0, 6.0, 0.0, 0.0]);
+    }
+
+    /// By hand: only ε_yz = 1/2 and ε_xz = 1 differ from zero, σ = 6 ε, on top of 1 to 6.
+    #[test]
+    fn shear_in_space_stands_in_the_order_of_the_file_on_top_of_the_initial_stress() {
+        let slope = Matrix::<3>::new(0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+        let found = stress(LAME, &slope, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_close(found, [1.0, 2.0, 3.0, 4.0, 8.0, 12.0]);
+    }
+}

@@ -1,0 +1,192 @@
+//! Drawings of histories: what the columns of history.csv did over time.
+
+use std::path::Path;
+
+use super::super::columns::{self, AXES};
+use super::super::finish::extremes;
+use crate::output::{LinePlot, LineStyle, OutputError, Series, Table, lines_svg};
+use crate::plan::Plan;
+
+/// Change of the energy, relative to its size, from which on it is worth a drawing.
+const NOTABLE: f64 = 1e-3;
+
+/// Draws the columns of `history` that say something into `folder`.
+///
+/// # Errors
+/// Those of [`lines_svg`].
+pub fn draw<const D: usize>(
+    folder: &Path,
+    plan: &Plan,
+    history: &Table,
+) -> Result<(), OutputError> {
+    if history.rows.len() < 2 {
+        return Ok(());
+    }
+    let time = history.column("time_s").unwrap_or_default();
+    let over_time = |file: &str, title: &str, quantity: &str, curves: &[Curve]| {
+        if curves.is_empty() {
+            return Ok(());
+        }
+        let plot = LinePlot {
+            title: &format!("{}: {title}", plan.title),
+            x_label: "time [s]",
+            y_label: quantity,
+            x_log: false,
+            y_log: false,
+            series: &series(curves, &time),
+            note: None,
+        };
+        lines_svg(folder.join(file), &plot)
+    };
+    let pressure = pressures(plan, history);
+    let title = "pressure over time";
+    over_time("history-pressure.svg", title, "pressure [Pa]", &pressure)?;
+    let (name, moved) = displacements::<D>(plan, history);
+    let (title, label) = (format!("{name} over time"), format!("{name} [m]"));
+    over_time("history-displacement.svg", &title, &label, &moved)?;
+    let energy = energy(history);
+    let title = "energy over time";
+    over_time("history-energy.svg", title, energy_label(D), &energy)?;
+    steps(folder, plan, history, &time)
+}
+
+/// The energy of a plane is that of a slice one metre thick.
+fn energy_label(dimension: usize) -> &'static str {
+    match dimension {
+        2 => "energy [J/m]",
+        _ => "energy [J]",
+    }
+}
+
+/// Label and values of a curve.
+type Curve = (String, Vec<f64>);
+
+fn series<'a>(curves: &'a [Curve], x: &'a [f64]) -> Vec<Series<'a>> {
+    let line = |(label, y): &'a Curve| Series {
+        label,
+        x,
+        y,
+        style: LineStyle::Line,
+    };
+    curves.iter().map(line).collect()
+}
+
+/// Pressures at the probes; without probes the extremes.
+fn pressures(plan: &Plan, history: &Table) -> Vec<Curve> {
+    let named = |(label, column): (&str, &str)| Some((label.to_owned(), history.column(column)?));
+    if plan.output.probes.is_empty() {
+        let extremes = [
+            ("smallest", "pressure_min_Pa"),
+            ("largest", "pressure_max_Pa"),
+        ];
+        return extremes.into_iter().filter_map(named).collect();
+    }
+    let names = plan.output.probes.iter().map(|probe| &probe.name);
+    names
+        .filter_map(|name| named((name, &columns::pressure_at(name))))
+        .collect()
+}
+
+/// Displacements at the probes along the axis on which they move most; without probes the largest.
+fn displacements<const D: usize>(plan: &Plan, history: &Table) -> (String, Vec<Curve>) {
+    let largest = || {
+        let column = history.column("displacement_max_m");
+        column.map(|values| ("largest".to_owned(), values))
+    };
+    let along = |axis: &str| -> Vec<Curve> {
+        let column = |name: &String| {
+            let values = history.column(&columns::displacement_at(axis, name))?;
+            Some((name.clone(), values))
+        };
+        let names = plan.output.probes.iter().map(|probe| &probe.name);
+        names.filter_map(column).collect()
+    };
+    let span = |curves: &[Curve]| curves.iter().map(|(_, y)| range(y)).fold(0.0, f64::max);
+    let mut most: (&str, Vec<Curve>) = ("", Vec::new());
+    for axis in &AXES[..D] {
+        let curves = along(axis);
+        if most.1.is_empty() || span(&curves) > span(&most.1) {
+            most = (axis, curves);
+        }
+    }
+    match most {
+        (_, curves) if curves.is_empty() => ("displacement".to_owned(), Vec::from_iter(largest())),
+        (axis, curves) => (format!("{axis}-displacement"), curves),
+    }
+}
+
+fn energy(history: &Table) -> Vec<Curve> {
+    let notable = |values: &Vec<f64>| {
+        let size = values.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
+        range(values) > NOTABLE * size
+    };
+    let column = history.column("energy_J").filter(notable);
+    Vec::from_iter(column.map(|values| (String::new(), values)))
+}
+
+fn range(values: &[f64]) -> f64 {
+    let [low, high] = extremes(values);
+    high - low
+}
+
+fn steps(folder: &Path, plan: &Plan, history: &Table, time: &[f64]) -> Result<(), OutputError> {
+    let steps = history.column("step_s").unwrap_or_default();
+    let curve = [("Δt".to_owned(), steps.get(1..).unwrap_or_default().to_vec())];
+    let plot = LinePlot {
+        title: &format!("{}: time step", plan.title),
+        x_label: "time [s]",
+        y_label: "Δt [s]",
+        x_log: true,
+        y_log: true,
+        series: &series(&curve, &time[1..]),
+        note: None,
+    };
+    lines_svg(folder.join("history-step.svg"), &plot)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::float_cmp)]
+    use super::*;
+
+    fn table(columns: &[(&str, [f64; 2])]) -> Table {
+        let row = |k: usize| columns.iter().map(|(_, values)| values[k]).collect();
+        Table {
+            columns: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            rows: vec![row(0), row(1)],
+        }
+    }
+
+    #[test]
+    fn an_energy_that_stays_is_not_drawn() {
+        assert!(energy(&table(&[("time_s", [0.0, 1.0])])).is_empty());
+        assert!(energy(&table(&[("energy_J", [2.0, 2.0001])])).is_empty());
+        assert_eq!(energy(&table(&[("energy_J", [2.0, 2.1])])).len(), 1);
+    }
+
+    #[test]
+    fn probes_are_drawn_along_the_axis_on_which_they_move_most() {
+        let plan = super::super::tests::plan(&["output.probes.a.at=[0.5, 0.5]"]);
+        let history = table(&[
+            ("displacement_max_m", [9.0, 9.0]),
+            ("displacement_x_a_m", [5.0, 5.5]),
+            ("displacement_y_a_m", [0.0, -1.0]),
+        ]);
+        let (name, curves) = displacements::<2>(&plan, &history);
+        assert_eq!(name, "y-displacement");
+        assert_eq!(curves, [("a".to_owned(), vec![0.0, -1.0])]);
+    }
+
+    #[test]
+    fn without_probes_the_largest_displacement_is_drawn() {
+        let plan = super::super::tests::plan(&[]);
+        let history = table(&[("displacement_max_m", [0.0, 9.0])]);
+        let (name, curves) = displacements::<2>(&plan, &history);
+        assert_eq!((name.as_str(), curves.len()), ("displacement", 1));
+        assert!(
+            displacements::<2>(&plan, &table(&[("time_s", [0.0, 1.0])]))
+                .1
+                .is_empty()
+        );
+    }
+}

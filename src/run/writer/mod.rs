@@ -1,0 +1,165 @@
+//! Files of a run: fields, history, profiles, pictures, summary.
+
+mod fields;
+mod folder;
+mod histories;
+mod pictures;
+mod profiles;
+
+use std::path::{Path, PathBuf};
+
+use super::Summary;
+use crate::model::Model;
+use crate::output::{History, OutputError, Pvd, Table, write_json};
+use crate::plan::Plan;
+use crate::report::Balance;
+use crate::schemes::State;
+use profiles::Profiles;
+
+/// Writes the files of one run into its folder.
+pub struct Writer {
+    folder: PathBuf,
+    resolved: String,
+    pvd: Option<Pvd>,
+    history: Option<History>,
+    /// What history.csv holds.
+    rows: Table,
+    profiles: Option<Profiles>,
+    outputs: usize,
+    next_row: f64,
+}
+
+/// At most this many rows of history, whatever the number of steps.
+const MOST_ROWS: f64 = 2000.0;
+
+impl Writer {
+    /// Prepares `folder` for results and the resolved scene.
+    ///
+    /// A folder with other things in it is refused. Results of an earlier run stay until this one
+    /// has something to write.
+    ///
+    /// # Errors
+    /// [`OutputError`] for a folder that cannot be used.
+    pub fn create(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
+        if folder::prepare(folder)?.is_empty() {
+            folder::write_mark(folder, resolved)?;
+        }
+        Ok(Writer {
+            folder: folder.to_owned(),
+            resolved: resolved.to_owned(),
+            pvd: None,
+            history: None,
+            rows: Table::default(),
+            profiles: None,
+            outputs: 0,
+            next_row: f64::NEG_INFINITY,
+        })
+    }
+
+    /// Folder of the run.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Removes the results of an earlier run and opens history.csv.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn start_history<const D: usize>(&mut self, plan: &Plan) -> Result<(), OutputError> {
+        folder::clear(&self.folder)?;
+        folder::write_mark(&self.folder, &self.resolved)?;
+        self.rows.columns = super::columns::names::<D>(plan);
+        let path = self.folder.join("history.csv");
+        self.history = Some(History::create(path, &self.rows.columns)?);
+        self.profiles = Some(Profiles::new(&self.folder, plan));
+        Ok(())
+    }
+
+    /// Adds a row of history; of very many steps some are left out.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn history<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        state: &State,
+        dt: f64,
+        iterations: usize,
+        balance: &Balance,
+    ) -> Result<(), OutputError> {
+        if state.time < self.next_row && state.time < plan.time.end {
+            return Ok(());
+        }
+        self.next_row = state.time + plan.time.end / MOST_ROWS;
+        let row = super::columns::row(plan, model, state, (dt, iterations), balance);
+        if let Some(history) = &mut self.history {
+            history.append(&row)?;
+        }
+        self.rows.rows.push(row);
+        Ok(())
+    }
+
+    /// Writes the fields as VTU and PNG, and along the profiles.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn fields<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        state: &State,
+    ) -> Result<(), OutputError> {
+        let number = self.outputs;
+        self.outputs += 1;
+        if plan.output.vtu {
+            let path = self.folder.join(format!("fields-{number:04}.vtu"));
+            fields::write(&path, plan, model, state)?;
+            let pvd = match &mut self.pvd {
+                Some(pvd) => pvd,
+                None => self
+                    .pvd
+                    .insert(Pvd::create(self.folder.join("fields.pvd"))?),
+            };
+            pvd.add(state.time, path)?;
+        }
+        if plan.output.plots {
+            pictures::of_output(&self.folder, number, plan, model, state)?;
+        }
+        match &mut self.profiles {
+            Some(profiles) => profiles.record(plan, model, state),
+            None => Ok(()),
+        }
+    }
+
+    /// Draws what needs the whole run: permeability, histories and profiles.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn finish<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        _state: &State,
+    ) -> Result<(), OutputError> {
+        if !plan.output.plots {
+            return Ok(());
+        }
+        if let Some(profiles) = &self.profiles {
+            profiles.draw(plan)?;
+        }
+        pictures::of_permeability(&self.folder, model)?;
+        histories::draw::<D>(&self.folder, plan, &self.rows)
+    }
+
+    /// Writes summary.json.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn summary(&self, summary: &Summary) -> Result<(), OutputError> {
+        write_json(self.folder.join("summary.json"), summary)
+    }
+}
+
+#[cfg(test)]
+mod tests;

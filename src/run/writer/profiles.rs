@@ -1,0 +1,290 @@
+//! Profiles: fields along lines at every output after the start, beside the exact solution.
+
+use std::path::{Path, PathBuf};
+
+use super::super::columns::AXES;
+use crate::effects::vector;
+use crate::geometry::Vector;
+use crate::model::Model;
+use crate::output::{
+    History, LinePlot, LineStyle, OutputError, Series, lines_svg, plots::readable_time,
+};
+use crate::plan::{Plan, Profile, TimeMode, exact_displacement, exact_pressure};
+use crate::reference::{ExactDisplacement, ExactPressure};
+use crate::schemes::State;
+
+/// Most times in one drawing.
+const MOST_CURVES: usize = 5;
+
+/// All profiles of a run.
+pub struct Profiles {
+    folder: PathBuf,
+    exact: Exact,
+    lines: Vec<Line>,
+    /// Outputs after the start, and how many of them have been.
+    outputs: usize,
+    seen: usize,
+}
+
+/// What the plan knows exactly.
+struct Exact {
+    pressure: Option<Box<dyn ExactPressure>>,
+    displacement: Option<Box<dyn ExactDisplacement>>,
+}
+
+/// One line with its table, and what of it will be drawn.
+#[derive(Default)]
+struct Line {
+    table: Option<History>,
+    distance: Vec<f64>,
+    drawn: Vec<(f64, Vec<Values>)>,
+}
+
+/// One scalar along a line at one time.
+struct Values {
+    /// Such as `pressure` or `displacement_x`.
+    name: String,
+    unit: &'static str,
+    computed: Vec<f64>,
+    exact: Option<Vec<f64>>,
+}
+
+impl Profiles {
+    /// Profiles that `plan` asks for, to be written into `folder`.
+    pub fn new(folder: &Path, plan: &Plan) -> Self {
+        let lines = plan.output.profiles.iter().map(|_| Line::default());
+        Profiles {
+            folder: folder.to_owned(),
+            exact: Exact {
+                pressure: exact_pressure(plan).ok().flatten(),
+                displacement: exact_displacement(plan).ok().flatten(),
+            },
+            lines: lines.collect(),
+            outputs: outputs(plan),
+            seen: 0,
+        }
+    }
+
+    /// Adds the state at an output to the tables.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a table cannot be written.
+    pub fn record<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        state: &State,
+    ) -> Result<(), OutputError> {
+        if plan.time.mode == TimeMode::Transient && state.time <= 0.0 {
+            return Ok(());
+        }
+        self.seen += 1;
+        let share = |seen: usize| seen * MOST_CURVES.min(self.outputs) / self.outputs;
+        let drawn = plan.output.plots && share(self.seen) > share(self.seen - 1);
+        let exact_time = self.exact_time(plan, state);
+        for (line, profile) in self.lines.iter_mut().zip(&plan.output.profiles) {
+            let places = places::<D>(profile);
+            let from = vector::<D>(&profile.from);
+            line.distance = places.iter().map(|x| (x - from).norm()).collect();
+            let values = along(model, state, &self.exact, exact_time, &places);
+            let path = self.folder.join(format!("profile-{}.csv", profile.name));
+            line.write(&path, state.time, &values)?;
+            if drawn {
+                line.drawn.push((state.time, values));
+            }
+        }
+        Ok(())
+    }
+
+    /// Time at which the exact solution is comparable, if it is: one that is steady only, at the end.
+    fn exact_time(&self, plan: &Plan, state: &State) -> Option<f64> {
+        if plan.time.mode == TimeMode::Steady {
+            return Some(f64::INFINITY);
+        }
+        let pressure = self.exact.pressure.as_ref();
+        let steady_only = pressure.is_some_and(|exact| exact.steady_only());
+        (!steady_only || self.seen == self.outputs).then_some(state.time)
+    }
+
+    /// Draws the profiles, one drawing per field.
+    ///
+    /// # Errors
+    /// Those of [`lines_svg`].
+    pub fn draw(&self, plan: &Plan) -> Result<(), OutputError> {
+        for (line, profile) in self.lines.iter().zip(&plan.output.profiles) {
+            let name = &profile.name;
+            line.draw(&self.folder, plan, name, "pressure", "")?;
+            if let Some(component) = line.largest_displacement() {
+                line.draw(&self.folder, plan, name, &component, "-displacement")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Number of outputs after the start.
+fn outputs(plan: &Plan) -> usize {
+    let end = plan.time.end;
+    let before = |time: &&f64| **time > 0.0 && **time < end * (1.0 - 1e-12);
+    let mut times: Vec<f64> = plan.output.times.iter().filter(before).copied().collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup_by(|b, a| *b - *a <= 1e-12 * end);
+    times.len() + 1
+}
+
+fn places<const D: usize>(profile: &Profile) -> Vec<Vector<D>> {
+    let (from, to) = (vector::<D>(&profile.from), vector::<D>(&profile.to));
+    let intervals = profile.points.max(2) - 1;
+    let at = |k: usize| from + (to - from) * (k as f64 / intervals as f64);
+    (0..profile.points).map(at).collect()
+}
+
+/// All fields at the places; exact values are gaps where there is no time to compare at.
+fn along<const D: usize>(
+    model: &Model<D>,
+    state: &State,
+    exact: &Exact,
+    time: Option<f64>,
+    places: &[Vector<D>],
+) -> Vec<Values> {
+    let mut all = Vec::new();
+    if let Some(flow) = &model.flow {
+        let computed = |x| flow.pressure_at(&state.pressure, state.time, x);
+        let known = |exact: &dyn ExactPressure, x: &Vector<D>| match time {
+            Some(time) => finite(exact.pressure(x.as_slice(), time)),
+            None => f64::NAN,
+        };
+        let exact = exact.pressure.as_deref();
+        all.push(Values {
+            name: "pressure".to_owned(),
+            unit: "Pa",
+            computed: places.iter().map(computed).collect(),
+            exact: exact.map(|exact| places.iter().map(|x| known(exact, x)).collect()),
+        });
+    }
+    if let Some(solid) = &model.solid {
+        let computed = |x| solid.displacement_at(&state.displacement, &state.walls, x);
+        let computed: Vec<Vector<D>> = places.iter().map(computed).collect();
+        let known = |exact: &dyn ExactDisplacement, x: &Vector<D>| match time {
+            Some(time) => vector::<D>(&exact.displacement(x.as_slice(), time)),
+            None => Vector::repeat(f64::NAN),
+        };
+        let exact = exact.displacement.as_deref();
+        let exact: Option<Vec<Vector<D>>> =
+            exact.map(|exact| places.iter().map(|x| known(exact, x)).collect());
+        all.extend((0..D).map(|axis| {
+            Values {
+                name: format!("displacement_{}", AXES[axis]),
+                unit: "m",
+                computed: computed.iter().map(|u| u[axis]).collect(),
+                exact: exact
+                    .as_ref()
+                    .map(|exact| exact.iter().map(|u| finite(u[axis])).collect()),
+            }
+        }));
+    }
+    all
+}
+
+/// Values beyond all numbers, as exact solutions have at wells, leave a gap in a drawing.
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { f64::NAN }
+}
+
+impl Line {
+    /// Adds one row per place.
+    fn write(&mut self, path: &Path, time: f64, values: &[Values]) -> Result<(), OutputError> {
+        let table = match &mut self.table {
+            Some(table) => table,
+            None => self.table.insert(History::create(path, &headings(values))?),
+        };
+        for (k, distance) in self.distance.iter().enumerate() {
+            let mut row = vec![time, *distance];
+            for values in values {
+                row.push(values.computed[k]);
+                row.extend(values.exact.as_ref().map(|exact| exact[k]));
+            }
+            table.append(&row)?;
+        }
+        Ok(())
+    }
+
+    /// Component of the displacement that is largest over all drawn times.
+    fn largest_displacement(&self) -> Option<String> {
+        let components = self.drawn.iter().flat_map(|(_, values)| values);
+        let size = |values: &Values| values.computed.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        components
+            .filter(|values| values.name.starts_with("displacement"))
+            .map(|values| (&values.name, size(values)))
+            .reduce(|most, next| if next.1 > most.1 { next } else { most })
+            .map(|(name, _)| name.clone())
+    }
+
+    /// Draws one of the values over the distance, one curve per time and dashed ones for the exact
+    /// solution.
+    fn draw(
+        &self,
+        folder: &Path,
+        plan: &Plan,
+        profile: &str,
+        name: &str,
+        ending: &str,
+    ) -> Result<(), OutputError> {
+        let shown: Vec<(String, &Values)> = self
+            .drawn
+            .iter()
+            .flat_map(|(time, values)| {
+                let label = format!("t = {}", readable_time(*time));
+                let values = values.iter().find(|values| values.name == name)?;
+                Some((label, values))
+            })
+            .collect();
+        let Some((_, Values { unit, .. })) = shown.first() else {
+            return Ok(());
+        };
+        let line = |label, y, style| Series {
+            label,
+            x: &self.distance,
+            y,
+            style,
+        };
+        let computed = shown.iter().map(|(time, values)| {
+            let label = if shown.len() > 1 { time } else { "computed" };
+            line(label, &values.computed, LineStyle::Line)
+        });
+        let exact = shown.iter().filter_map(|(_, values)| values.exact.as_ref());
+        let exact = exact.filter(|values| values.iter().any(|v| v.is_finite()));
+        // Without labels all but the first look like it.
+        let labels = std::iter::once("exact").chain(std::iter::repeat(""));
+        let exact = exact
+            .zip(labels)
+            .map(|(y, label)| line(label, y, LineStyle::Dashed));
+        let quantity = match name.strip_prefix("displacement_") {
+            Some(axis) => format!("{axis}-displacement"),
+            None => name.to_owned(),
+        };
+        let plot = LinePlot {
+            title: &format!("{}: {quantity} along {profile}", plan.title),
+            x_label: "distance [m]",
+            y_label: &format!("{quantity} [{unit}]"),
+            x_log: false,
+            y_log: false,
+            series: &computed.chain(exact).collect::<Vec<_>>(),
+            note: None,
+        };
+        lines_svg(folder.join(format!("profile-{profile}{ending}.svg")), &plot)
+    }
+}
+
+/// Headings of the table: `time_s`, `distance_m`, then every value with the exact one after it.
+fn headings(values: &[Values]) -> Vec<String> {
+    let mut columns = vec!["time_s".to_owned(), "distance_m".to_owned()];
+    for Values {
+        name, unit, exact, ..
+    } in values
+    {
+        columns.push(format!("{name}_{unit}"));
+        columns.extend(exact.as_ref().map(|_| format!("{name}_exact_{unit}")));
+    }
+    columns
+}
