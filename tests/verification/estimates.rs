@@ -27,7 +27,10 @@ fn compare(case: &str, overrides: &[&str]) {
         summary.nonzeros as f64,
         1.15,
     );
-    let factor = summary.counters.solver.factor_bytes as f64;
+    assert_eq!(told.unknowns, summary.unknowns);
+    let mechanics = summary.counters.mechanics.as_ref();
+    let factor = summary.counters.solver.factor_bytes + mechanics.map_or(0, |m| m.factor_bytes);
+    let factor = factor as f64;
     within("factor", told.memory.factor as f64, factor, 2.0);
     if let Some(limit) = &summary.limit {
         within("limit", told.limits[0].dt, limit.dt, 1.05);
@@ -49,4 +52,10 @@ fn sizes_told_by_the_plan_are_those_of_the_run() {
         "reservoir-3d",
         &["time.end=100", "time.step=100", "output.times=[]"],
     );
+    for scheme in ["scheme.name=monolithic", "scheme.name=staggered"] {
+        compare(
+            "terzaghi",
+            &[scheme, "time.end=2", "time.step=1", "output={times=[]}"],
+        );
+    }
 }
