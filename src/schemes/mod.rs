@@ -11,6 +11,7 @@ mod control;
 mod error;
 mod explicit;
 mod implicit;
+mod layout;
 mod limits;
 mod mixer;
 mod monolithic;

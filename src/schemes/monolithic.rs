@@ -12,13 +12,14 @@ use perifrac_solvers::{
     Coordinates, CsrMatrix, LinearSolver, Problem, SolveError, SolverSpec, Symmetry,
 };
 
+use super::layout::Layout;
 use super::solid::{Border, build_solver, corner};
 use super::stage::{Stage, Target};
 use super::system::SAME;
 use super::{
     Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of, solid_of,
 };
-use crate::model::{Coupling, Drive, FlowModel, Model, SolidModel};
+use crate::model::{Drive, FlowModel, Model, SolidModel};
 
 /// Stage that solves displacement and pressure together.
 pub struct Monolithic {
@@ -33,17 +34,6 @@ pub struct Monolithic {
     is_fixed: Vec<bool>,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
-}
-
-/// Where the blocks lie.
-struct Layout {
-    dimension: usize,
-    /// Place of every entry of L, shape of its values.
-    exchange: Vec<u32>,
-    /// Place of every point's own pressure entry.
-    diagonal: Vec<u32>,
-    /// Pa per unit of the scaled pressure.
-    scale: f64,
 }
 
 /// Residual, relative to its block's terms, that needs no further improvement.
@@ -296,102 +286,6 @@ fn plate_forces<const D: usize>(solid: &SolidModel<D>, known: &Known, x: &Increm
         .zip(&known.plates)
         .map(|(plate, own)| own - gained[plate])
         .collect()
-}
-
-impl Layout {
-    fn new<const D: usize>(
-        flow: &FlowModel<D>,
-        solid: &SolidModel<D>,
-        coupling: &Coupling,
-    ) -> Result<(Self, CsrMatrix), StepError> {
-        let points = solid.points.union(&flow.pattern)?;
-        let pattern = points.expanded(D + 1)?;
-        // Places in the expanded pattern of the entry between two pressures.
-        let place = |row: usize, column: usize| {
-            let (start, width) = (points.row(row).start, points.row(row).len());
-            let within = points.find(row, column)? - start;
-            let first = start * (D + 1) * (D + 1) + D * width * (D + 1);
-            Some((first + within * (D + 1) + D) as u32)
-        };
-        let entries = (0..flow.points()).flat_map(|row| {
-            flow.pattern
-                .row(row)
-                .filter_map(move |k| place(row, flow.pattern.columns[k] as usize))
-        });
-        let layout = Layout {
-            dimension: D,
-            exchange: entries.collect(),
-            diagonal: (0..flow.points())
-                .filter_map(|row| place(row, row))
-                .collect(),
-            scale: pressure_scale(solid, coupling),
-        };
-        Ok((layout, pattern.into_matrix()))
-    }
-
-    /// K and −c Q in their places.
-    fn template<const D: usize>(
-        &self,
-        matrix: &CsrMatrix,
-        solid: &SolidModel<D>,
-        coupling: &Coupling,
-    ) -> Vec<f64> {
-        let mut values = vec![0.0; matrix.nnz()];
-        let width = D + 1;
-        let mut add = |row: usize, column: usize, value: f64| {
-            if let Some(place) = matrix.nnz_index(row, column) {
-                values[place.0] += value;
-            }
-        };
-        for (row, entries) in solid.stiffness.outer_iterator().enumerate() {
-            for (column, value) in entries.iter() {
-                let unknown = |u: usize| u / D * width + u % D;
-                add(unknown(row), unknown(column), *value);
-            }
-        }
-        let elastic = &solid.elastic;
-        let families = &elastic.around.families;
-        for owner in 0..elastic.points() {
-            let strength = -self.scale * coupling.divergence.weight[owner];
-            for bond in families.family(owner) {
-                let (weight, sign) = (elastic.gradient.weight[bond], elastic.signs(bond));
-                let end = families.neighbour(bond);
-                for axis in 0..D {
-                    let pressure = owner * width + D;
-                    for (point, entry) in [(end, sign[axis] * weight[axis]), (owner, -weight[axis])]
-                    {
-                        add(pressure, point * width + axis, strength * entry);
-                        add(point * width + axis, pressure, strength * entry);
-                    }
-                }
-            }
-        }
-        values
-    }
-}
-
-/// Pressure whose push on a point is as large as the stiffness of the point per metre.
-fn pressure_scale<const D: usize>(solid: &SolidModel<D>, coupling: &Coupling) -> f64 {
-    let elastic = &solid.elastic;
-    let stiffness: f64 = (0..solid.unknowns())
-        .filter_map(|row| solid.stiffness.get(row, row))
-        .sum::<f64>()
-        / solid.unknowns() as f64;
-    let push: f64 = (0..elastic.points())
-        .map(|owner| {
-            let family = elastic.around.families.family(owner);
-            let sum: f64 = family
-                .map(|bond| elastic.gradient.weight[bond].amax())
-                .sum();
-            coupling.divergence.weight[owner] * sum
-        })
-        .sum::<f64>()
-        / elastic.points() as f64;
-    // A power of two scales without rounding.
-    match push > 0.0 {
-        true => (stiffness / push).log2().round().exp2(),
-        false => 1.0,
-    }
 }
 
 impl<const D: usize> Stage<D> for Monolithic {
