@@ -66,7 +66,11 @@ impl System {
             return Err(SolveError::Refused {
                 solver: self.solver,
                 symmetry: problem.symmetry,
-                advice: format!("it solves {} systems only", list(supported)),
+                advice: format!(
+                    "it solves {} systems only{}",
+                    list(supported),
+                    elsewhere(problem.symmetry)
+                ),
             });
         }
         self.pattern = Some(Fingerprint::of(problem.pattern));
@@ -170,6 +174,14 @@ impl System {
             solver: self.solver,
             missing: stage,
         })
+    }
+}
+
+/// Where a refused system can go.
+fn elsewhere(symmetry: Symmetry) -> &'static str {
+    match symmetry {
+        Symmetry::QuasiDefinite => "; `faer-ldlt` and `auto` solve this one",
+        _ => "",
     }
 }
 

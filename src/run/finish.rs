@@ -7,7 +7,9 @@ use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
 use crate::geometry::Side;
 use crate::model::FlowModel;
-use crate::plan::{ReferenceKind, TimeMode, exact_displacement, exact_flux, exact_pressure};
+use crate::plan::{
+    ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux, exact_pressure,
+};
 use crate::reference::{ErrorNorms, ExactDisplacement};
 use crate::report::Counters;
 use crate::schemes::{SchemeCounters, State};
@@ -84,17 +86,22 @@ impl<const D: usize> Run<'_, D> {
         if mass <= POOR_BALANCE {
             return;
         }
-        let lagged = !self.plan.scheme.is_coupled_tightly() && self.model.coupling.is_some();
-        let message = match lagged {
-            true => format!(
-                "mass is balanced to {mass:.1e} of the turnover: strain lags behind the pressure in \
-                 this scheme; smaller steps or --scheme staggered balance better"
-            ),
-            false => format!(
-                "mass is balanced to {mass:.1e} of the turnover only: the permeability contrast \
-                 leaves the pressure too few digits; trust the pressure, not the side rates"
-            ),
+        let coupled = self.model.coupling.is_some();
+        let remedy = match self.plan.scheme {
+            SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_) if coupled => {
+                "strain lags behind the pressure in this scheme; smaller steps or --scheme staggered \
+                 balance better"
+            }
+            SchemeChoice::Staggered(_) if coupled => {
+                "flow and mechanics agree to scheme.coupling_tolerance only; lower it, or use --scheme \
+                 monolithic"
+            }
+            _ => {
+                "the permeability contrast leaves the pressure too few digits; trust the pressure, not \
+                 the side rates"
+            }
         };
+        let message = format!("mass is balanced to {mass:.1e} of the turnover only: {remedy}");
         self.observer.warn(&message);
         self.warnings.push(message);
     }

@@ -163,6 +163,7 @@ impl<const D: usize> Run<'_, D> {
 
     fn transient(&mut self) -> Result<Effort, RunError> {
         let plan = self.plan;
+        self.scheme_name = plan.scheme.name().to_owned();
         let built = schemes::build(plan, &self.model);
         let mut scheme = built.map_err(|error| self.failed(error))?;
         self.scheme_name = scheme.name().to_owned();
@@ -170,6 +171,8 @@ impl<const D: usize> Run<'_, D> {
         let started = scheme.start(&self.model, &mut self.state);
         self.timers.add("start", start.elapsed().as_secs_f64());
         started.map_err(|error| self.failed(error))?;
+        // The start moves no fluid, but for what points of prescribed pressure take in.
+        self.start_volume = self.stored();
         let scale = self.expected_range().map_err(|error| self.failed(error))?;
         let mut control = self.control(&*scheme);
         let mut stops = Stops::new(plan, &self.model.breakpoints());

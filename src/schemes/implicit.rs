@@ -217,10 +217,12 @@ fn close_fixed<const D: usize>(
         return;
     }
     let content = model.content(&change.displacement, &change.walls);
-    let gain = flow
-        .fixed
-        .iter()
-        .map(|f| flow.capacity[f.point] * change.pressure[f.point] + content[f.point]);
+    let mut rough = vec![0.0; content.len()];
+    flow.subtract_stabilisation(&change.pressure, &mut rough);
+    let gain = flow.fixed.iter().map(|f| {
+        let i = f.point;
+        flow.capacity[i] * change.pressure[i] + content[i] - rough[i]
+    });
     flows.fixed += gain.sum::<f64>();
 }
 

@@ -113,13 +113,13 @@ impl<const D: usize> Stage<D> for FlowStage {
         &mut self,
         model: &Model<D>,
         target: Target<'_>,
-        mut rhs: Vec<f64>,
+        rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<Increment, StepError> {
         let flow = flow_of(model)?;
         let mut pressure = self.last.clone();
         flow.fix(target.time, &target.base.pressure, &mut pressure);
-        report.iterations += self.system.solve(flow, &mut rhs, &mut pressure)?;
+        report.iterations += self.system.solve(flow, &rhs, &mut pressure)?;
         self.last.copy_from_slice(&pressure);
         Ok(Increment {
             pressure,
@@ -130,11 +130,11 @@ impl<const D: usize> Stage<D> for FlowStage {
     fn filter(
         &mut self,
         model: &Model<D>,
-        mut rhs: Vec<f64>,
+        rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
         let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.system.solve(flow_of(model)?, &mut rhs, &mut error)?;
+        report.iterations += self.system.solve(flow_of(model)?, &rhs, &mut error)?;
         Ok(error)
     }
 

@@ -119,12 +119,12 @@ impl<const D: usize> Staggered<D> {
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
         let flow = flow_of(model)?;
-        let mut right: Vec<f64> = (0..rhs.len())
+        let right: Vec<f64> = (0..rhs.len())
             .map(|i| rhs[i] - guess.content[i] + self.split[i] * guess.pressure[i])
             .collect();
         let mut pressure = guess.pressure.clone();
         flow.fix(target.time, &target.base.pressure, &mut pressure);
-        report.iterations += self.flow.solve(flow, &mut right, &mut pressure)?;
+        report.iterations += self.flow.solve(flow, &right, &mut pressure)?;
         Ok(pressure)
     }
 
@@ -317,11 +317,11 @@ impl<const D: usize> Stage<D> for Staggered<D> {
     fn filter(
         &mut self,
         model: &Model<D>,
-        mut rhs: Vec<f64>,
+        rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
         let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.flow.solve(flow_of(model)?, &mut rhs, &mut error)?;
+        report.iterations += self.flow.solve(flow_of(model)?, &rhs, &mut error)?;
         Ok(error)
     }
 

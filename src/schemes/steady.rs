@@ -37,7 +37,7 @@ pub fn solve_steady<const D: usize>(
         change[fixed.point] =
             flow.fixed_loads[fixed.load].at(state.time) - state.pressure[fixed.point];
     }
-    let iterations = system.solve(flow, &mut imbalance, &mut change)?;
+    let iterations = system.solve(flow, &imbalance, &mut change)?;
     state
         .pressure
         .iter_mut()

@@ -126,7 +126,7 @@ impl ImplicitSystem {
             .zip(&flow.conductance)
             .for_each(|(v, l)| *v = a * l);
         // A steady state stores nothing, so nothing there is stabilised.
-        self.stabilised = storage.iter().any(|own| *own > 0.0);
+        self.stabilised = !flow.stabilisation.is_empty() && storage.iter().any(|own| *own > 0.0);
         if self.stabilised {
             let pairs = self.values.iter_mut().zip(&flow.stabilisation);
             pairs.for_each(|(v, s)| *v += s);
@@ -173,14 +173,16 @@ impl ImplicitSystem {
     pub fn solve<const D: usize>(
         &mut self,
         flow: &FlowModel<D>,
-        rhs: &mut [f64],
+        rhs: &[f64],
         x: &mut [f64],
     ) -> Result<usize, SolveError> {
-        self.lift(flow, rhs, x);
-        let scale: f64 = rhs.iter().map(|b| b.abs()).sum();
+        // The solver sees rows and columns of fixed points cut off, the residual below does not.
+        let mut lifted = rhs.to_vec();
+        self.lift(flow, &mut lifted, x);
+        let scale: f64 = lifted.iter().map(|b| b.abs()).sum();
         let mut iterations = self
             .solver
-            .solve(flow.view(&self.values), rhs, x)?
+            .solve(flow.view(&self.values), &lifted, x)?
             .iterations;
         let mut left = self.residual(flow, rhs, x);
         for _ in 0..REFINEMENTS {

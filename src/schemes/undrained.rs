@@ -36,9 +36,10 @@ pub fn undrained<const D: usize>(
     for _ in 0..options.coupling_iterations {
         let step = state.since(&start);
         guess.content = model.content(&step.displacement, &step.walls);
-        let pressure: Vec<f64> = (0..storage.len())
+        let mut pressure: Vec<f64> = (0..storage.len())
             .map(|i| (split[i] * guess.pressure[i] - guess.content[i]) / storage[i])
             .collect();
+        flow.fix(state.time, &start.pressure, &mut pressure);
         let change: Vec<f64> = pressure
             .iter()
             .zip(&guess.pressure)

@@ -92,7 +92,7 @@ impl Verlet {
             old.time
         };
         flow.imbalance(at, &old.pressure, &mut imbalance);
-        let mut rhs: Vec<f64> = imbalance
+        let rhs: Vec<f64> = imbalance
             .iter()
             .zip(&content)
             .map(|(r, c)| dt * r - c)
@@ -112,7 +112,7 @@ impl Verlet {
             }
             Some(system) => {
                 system.prepare(flow, &flow.capacity, dt, &[])?;
-                report.iterations += system.solve(flow, &mut rhs, &mut change)?;
+                report.iterations += system.solve(flow, &rhs, &mut change)?;
             }
         }
         trial

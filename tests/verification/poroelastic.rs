@@ -318,3 +318,47 @@ fn a_coupled_scene_says_how_strongly_it_is_coupled() {
     let fields: Vec<_> = summary.counters.field_bytes.keys().copied().collect();
     assert_eq!(fields, ["displacement", "pressure"]);
 }
+
+/// What points of prescribed pressure take in is part of the balance, strain content included.
+#[test]
+fn mass_is_balanced_with_prescribed_pressures_inside() {
+    let text = perifrac::cases::find("terzaghi").unwrap().scene;
+    let text = text.split("[output]").next().unwrap();
+    let region = r#"flow.regions=[{region={type="box", min=[7, 0], max=[8, 1]}, pressure={time=[0, 30], value=[5000, 9000]}}]"#;
+    let common = ["geometry.spacing=0.5", region];
+    for (scheme, bar) in [("monolithic", 1e-11), ("staggered", 1e-7)] {
+        let scheme = format!("scheme.name={scheme}");
+        for integrator in ["time.integrator=tr-bdf2", "time.integrator=backward-euler"] {
+            for stabilisation in ["coupling.stabilisation=0", "coupling.stabilisation=0.5"] {
+                let own = [
+                    scheme.as_str(),
+                    integrator,
+                    "time.tolerance=1e-2",
+                    stabilisation,
+                ];
+                let (summary, _) = run_text(text, &[&common[..], &own].concat());
+                println!("{own:?}: {:?}", summary.balance);
+                assert!(
+                    summary.balance.fixed != 0.0 && summary.balance.mass < bar,
+                    "{own:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn mass_is_balanced_with_prescribed_pressures_inside_and_no_mechanics() {
+    let text = perifrac::cases::find("two-layer").unwrap().scene;
+    let text = text.split("[output]").next().unwrap();
+    let region = r#"flow.regions=[{region={type="box", min=[0.4, 0], max=[0.6, 0.25]}, pressure={time=[0, 0.1], value=[0.3, 0.9]}}]"#;
+    for scheme in ["scheme.name=implicit", "scheme.name=explicit"] {
+        let own = ["materials.left.permeability=2", region, scheme];
+        let (summary, _) = run_text(text, &own);
+        println!("{scheme}: {:?}", summary.balance);
+        assert!(
+            summary.balance.fixed != 0.0 && summary.balance.mass < 1e-11,
+            "{scheme}"
+        );
+    }
+}

@@ -30,11 +30,6 @@ impl SchemeChoice {
         }
     }
 
-    /// Whether flow and mechanics agree at the end of every step.
-    pub fn is_coupled_tightly(self) -> bool {
-        !matches!(self, SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_))
-    }
-
     /// Integrator of the linear systems; `None` without any.
     pub fn integrator(self) -> Option<Integrator> {
         match self {
