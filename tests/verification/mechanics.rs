@@ -100,7 +100,7 @@ fn the_assembled_stiffness_is_the_matrix_free_force_and_symmetric() {
     assert_oracle("space", &solid::<3>(&plan_of(HELD, &space)));
 }
 
-/// NUMERICS of the method: the dual sum is the transpose of the family sum, so forces cancel.
+/// Theory, section 3: the dual sum is the transpose of the family sum, so forces cancel.
 #[test]
 fn internal_forces_add_up_to_nothing_for_any_displacement_and_any_horizons() {
     for geometry in [LATTICE, BLOCKS, TENSOR, JITTERED] {

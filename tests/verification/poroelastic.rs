@@ -1,4 +1,4 @@
-//! Terzaghi's and Mandel's problems, all schemes (tables of REFERENCES in the exact solutions' tests).
+//! Terzaghi's and Mandel's problems with all schemes.
 
 use perifrac::run::{RunError, Summary};
 use perifrac::schemes::{State, StepError};
@@ -115,7 +115,7 @@ fn explicit_with_the_fixed_stress_term_reproduces_the_field() {
     }
 }
 
-/// NUMERICS 5: with lagged strain alone the amplification is −τ = −15.15.
+/// Theory, section 16: with lagged strain alone the amplification is −τ = −15.15.
 #[test]
 fn the_form_of_the_paper_is_reported_as_unstable() {
     let paper = [
@@ -158,7 +158,7 @@ fn the_form_of_the_paper_is_reported_as_unstable() {
 
 #[test]
 fn mandel_pressure_and_its_rise_above_the_undrained_one() {
-    // p(0⁺) and p at t = 0.01, 0.05, 0.1, 0.3 in the middle (REFERENCES).
+    // p(0⁺) and p at t = 0.01, 0.05, 0.1, 0.3 in the middle (exact series).
     let exact = [0.502936501, 0.427684405, 0.293181580, 0.062790296];
     for scheme in ["monolithic", "staggered"] {
         let name = format!("scheme.name={scheme}");
@@ -246,7 +246,7 @@ fn one_factorisation_at_constant_steps_whatever_their_number() {
     }
 }
 
-/// NUMERICS 10: the disagreement of flow and mechanics shrinks by (β − b)/(S + β + d) per pass. One
+/// Theory, section 16: the disagreement of flow and mechanics shrinks by (β − b)/(S + β + d) per pass. One
 /// mode of a strip that is sealed and held all around, b = α²/M and d = Δt κ k² of that mode.
 #[test]
 fn fixed_stress_contracts_as_its_fourier_factor() {
@@ -311,7 +311,7 @@ radius = 0.15
 fn a_coupled_scene_says_how_strongly_it_is_coupled() {
     let (summary, _) = run_case("terzaghi", &[&COARSE[..], &["time.step=1"]].concat());
     let coupling = summary.coupling.unwrap();
-    // γ and c_v of REFERENCES: τ = α² A/s = 15.1515, c_v = 0.3752345216; Eq. 71 with ½ and Δx = 0.5.
+    // By hand: τ = α² A/s = 15.1515, c_v = 0.3752345216; Eq. 71 with ½ and Δx = 0.5.
     assert!((coupling.strength - 15.151515).abs() < 1e-5);
     assert!((coupling.consolidation - 0.3752345216).abs() < 1e-9);
     assert!((coupling.step_limit - 0.5 * 0.25 / 0.3752345216).abs() < 1e-9);
