@@ -7,7 +7,7 @@ use crate::operators::Divergence;
 use crate::plan::Plan;
 
 use super::properties::Properties;
-use super::{Drive, Model, SolidModel};
+use super::{Model, MovingWall, SolidModel};
 
 /// What couples flow and mechanics.
 #[derive(Debug, Clone)]
@@ -51,8 +51,7 @@ impl Coupling {
         walls: &[f64],
         content: &mut [f64],
     ) {
-        self.divergence
-            .add(&solid.elastic, displacement, 1.0, content);
+        self.divergence.add(&solid.elastic, displacement, content);
         for (wall, place) in solid.walls.iter().zip(walls) {
             for &(point, own) in &wall.content {
                 content[point as usize] += own * place;
@@ -67,8 +66,18 @@ impl Coupling {
         pressure: &[f64],
         force: &mut [f64],
     ) {
-        self.divergence
-            .add_adjoint(&solid.elastic, pressure, 1.0, force);
+        self.divergence.add_adjoint(&solid.elastic, pressure, force);
+    }
+
+    /// β V per point for a factor of the fixed-stress term, and S + β V for the given capacity, m^D/Pa.
+    pub fn split(&self, relaxation: f64, capacity: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let split: Vec<f64> = self
+            .fixed_stress
+            .iter()
+            .map(|own| relaxation * own)
+            .collect();
+        let storage = capacity.iter().zip(&split).map(|(c, b)| c + b).collect();
+        (split, storage)
     }
 
     /// Largest α²/(s(λ + 2μ)) of all points: beyond 1 a split with lagged strain diverges.
@@ -108,57 +117,87 @@ impl<const D: usize> Model<D> {
         let Some(solid) = &self.solid else {
             return (Vec::new(), 0.0);
         };
-        let mut force = vec![0.0; displacement.len()];
-        solid.loads(time, &mut force);
-        let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
-        let mut scale = size(&force);
-        if let Some(coupling) = &self.coupling {
-            let mut push = vec![0.0; displacement.len()];
-            coupling.add_push(solid, pressure, &mut push);
-            scale += size(&push);
-            force.iter_mut().zip(&push).for_each(|(f, p)| *f += p);
-        }
-        for (wall, place) in solid.walls.iter().zip(walls) {
-            scale += wall
-                .response
-                .iter()
-                .map(|(_, r)| (r * place).abs())
-                .sum::<f64>();
-        }
+        let External { loads, push, scale } = self.external(solid, time, pressure, walls);
+        let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         solid.subtract_internal(displacement, walls, &mut force);
         (force, scale)
     }
 
-    /// Work fᵀu + Fᵀw of the loads at `time` on a displacement from rest, J.
-    pub fn load_work(&self, time: f64, displacement: &[f64], walls: &[f64]) -> f64 {
-        let Some(solid) = &self.solid else { return 0.0 };
-        let mut force = vec![0.0; displacement.len()];
-        solid.loads(time, &mut force);
-        let driven = solid
-            .walls
-            .iter()
-            .zip(walls)
-            .map(|(wall, w)| match &wall.drive {
-                Drive::Force(load) => load.at(time) * w,
-                Drive::Displacement(_) => 0.0,
-            });
-        dot(&force, displacement) + driven.sum::<f64>()
+    /// Loads at `time` and the push of the pressure.
+    fn external(
+        &self,
+        solid: &SolidModel<D>,
+        time: f64,
+        pressure: &[f64],
+        walls: &[f64],
+    ) -> External {
+        let mut loads = vec![0.0; solid.unknowns()];
+        solid.loads(time, &mut loads);
+        let mut push = vec![0.0; solid.unknowns()];
+        if let Some(coupling) = &self.coupling {
+            coupling.add_push(solid, pressure, &mut push);
+        }
+        let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
+        let at_wall = |(wall, place): (&MovingWall, &f64)| -> f64 {
+            wall.response.iter().map(|(_, r)| (r * place).abs()).sum()
+        };
+        let at_walls: f64 = solid.walls.iter().zip(walls).map(at_wall).sum();
+        External {
+            scale: size(&loads) + size(&push) + at_walls,
+            loads,
+            push,
+        }
     }
 
-    /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D).
-    pub fn energy(&self, pressure: &[f64], displacement: &[f64], walls: &[f64]) -> f64 {
-        let solid = self
-            .solid
-            .as_ref()
-            .map_or(0.0, |s| s.strain_energy(displacement, walls));
-        let fluid = self.flow.as_ref().map_or(0.0, |flow| {
-            let terms = flow
-                .capacity
-                .iter()
-                .zip(pressure)
-                .map(|(c, p)| 0.5 * c * p * p);
-            terms.sum::<f64>()
-        });
-        solid + fluid
+    /// Balance of forces and energies of a state; nothing without mechanics.
+    pub fn audit(
+        &self,
+        time: f64,
+        pressure: &[f64],
+        displacement: &[f64],
+        walls: &[f64],
+    ) -> Option<Audit> {
+        let solid = self.solid.as_ref()?;
+        let External { loads, push, scale } = self.external(solid, time, pressure, walls);
+        let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
+        let outer = dot(&force, displacement);
+        solid.subtract_internal(displacement, walls, &mut force);
+        // u·(K u + r w) is what the external forces do less what is left of them.
+        let inner = outer - dot(&force, displacement);
+        let energy =
+            0.5 * (inner + solid.wall_work(displacement, walls)) + self.stored_energy(pressure);
+        let left: f64 = force.iter().map(|f| f.abs()).sum();
+        Some(Audit {
+            momentum: if scale > 0.0 { left / scale } else { 0.0 },
+            energy,
+            potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
+        })
     }
+
+    /// ½ pᵀSp, the stabilising storage included, J (per metre of thickness in 2-D).
+    fn stored_energy(&self, pressure: &[f64]) -> f64 {
+        let Some(flow) = &self.flow else { return 0.0 };
+        let held = flow.capacity.iter().zip(pressure).map(|(c, p)| c * p * p);
+        let mut rough = vec![0.0; pressure.len()];
+        flow.subtract_stabilisation(pressure, &mut rough);
+        0.5 * (held.sum::<f64>() - dot(&rough, pressure))
+    }
+}
+
+/// Forces on the solid from outside, N, and Σ of their absolute values.
+struct External {
+    loads: Vec<f64>,
+    push: Vec<f64>,
+    scale: f64,
+}
+
+/// Balance of forces and energies of a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Audit {
+    /// Forces out of balance over all forces.
+    pub momentum: f64,
+    /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D).
+    pub energy: f64,
+    /// The energy less the work of the loads that act now, J.
+    pub potential: f64,
 }

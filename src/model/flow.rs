@@ -5,15 +5,16 @@ use std::sync::Arc;
 use perifrac_solvers::CsrView;
 use rayon::prelude::*;
 
-use crate::assembly::{Consistency, Pattern, Planes, Refill, ScalarOperator, consistent_gradient};
+use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Side, Vector};
-use crate::operators::{BondConductance, Correspondence, Extension, Neighbourhood, Parity};
-use crate::plan::{FlowPlan, Load, OperatorChoice, Plan, SideCondition};
+use crate::operators::{Extension, Neighbourhood, Parity};
+use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::Flows;
 
+use super::diffusion::build_operator;
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
 use super::{Coupling, ModelError};
@@ -264,6 +265,20 @@ impl<const D: usize> FlowModel<D> {
         self.fixed.iter().map(|fixed| -imbalance[fixed.point]).sum()
     }
 
+    /// Whether the pressure of a point is prescribed, shape `(n,)`.
+    pub fn fixed_mask(&self) -> Vec<bool> {
+        let mut mask = vec![false; self.points()];
+        self.fixed.iter().for_each(|fixed| mask[fixed.point] = true);
+        mask
+    }
+
+    /// Conductance of every point to the sides of prescribed pressure, its row sum of L, shape `(n,)`.
+    pub fn leak(&self) -> Vec<f64> {
+        let mut leak = vec![0.0; self.points()];
+        self.walls.iter().for_each(|wall| wall.add_leak(&mut leak));
+        leak
+    }
+
     /// Sets the entries of `change` at fixed points to what leads from `base` to their pressure at
     /// `time`, Pa.
     pub fn fix(&self, time: f64, base: &[f64], change: &mut [f64]) {
@@ -418,54 +433,6 @@ pub fn exchange(pattern: &Pattern, conductance: &[f64], pressure: &[f64], row: u
     entries
         .map(|(value, &column)| value * (pressure[column as usize] - own))
         .sum()
-}
-
-/// Share of a family's weights beyond which its correction is not trusted.
-const TRUSTED: f64 = 0.5;
-
-/// A warning if the corrected gradient is not to be trusted.
-pub(super) fn doubt(quality: &Consistency) -> Option<String> {
-    (quality.ratio > TRUSTED).then(|| {
-        format!(
-            "the divergence-consistent correction is {:.0} % of the gradient's own weights \
-             somewhere; enlarge the horizon or smooth the grading",
-            100.0 * quality.ratio
-        )
-    })
-}
-
-fn build_operator<const D: usize>(
-    flow: &FlowPlan,
-    around: &Arc<Neighbourhood<D>>,
-    one_sided: &[bool],
-    consistency: &mut Option<Consistency>,
-    warnings: &mut Vec<String>,
-) -> Result<Box<dyn ScalarOperator<D>>, ModelError> {
-    if flow.operator == OperatorChoice::Bond {
-        let form = BondConductance::new(around.clone());
-        if form.uncorrected() > 0 {
-            warnings.push(format!(
-                "the bond operator is not consistent at {} of {} points (their families are too \
-                 uneven for positive weights); compare with flow.operator = \"correspondence\"",
-                form.uncorrected(),
-                around.len()
-            ));
-        }
-        return Ok(Box::new(form));
-    }
-    let correct = flow.corrects_gradient(around.cloud.irregular, around.cloud.domain.planes);
-    let mut corrected = None;
-    if correct {
-        let (gradient, quality) = consistent_gradient(around, &Planes::natural(one_sided))?;
-        warnings.extend(doubt(&quality));
-        *consistency = Some(quality);
-        corrected = Some(gradient);
-    }
-    Ok(Box::new(Correspondence::new(
-        around.clone(),
-        flow.hourglass,
-        corrected,
-    )))
 }
 
 /// Points of the regions with prescribed pressure; a later region wins.

@@ -2,6 +2,7 @@
 
 mod cloud;
 mod coupling;
+mod diffusion;
 mod error;
 mod flow;
 mod properties;
@@ -12,7 +13,7 @@ mod stabilisation;
 use std::sync::Arc;
 
 pub use cloud::{build_cloud, build_families};
-pub use coupling::Coupling;
+pub use coupling::{Audit, Coupling};
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};

@@ -93,7 +93,7 @@ impl<const D: usize> SolidModel<D> {
         let mut gradient = None;
         if mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes) {
             let (corrected, quality) = consistent_gradient(&around, &Planes::of(&extension))?;
-            warnings.extend(super::flow::doubt(&quality));
+            warnings.extend(super::diffusion::doubt(&quality));
             consistency = Some(quality);
             gradient = Some(corrected);
         }
@@ -289,20 +289,18 @@ impl<const D: usize> SolidModel<D> {
         (0..self.walls.len()).filter(free).collect()
     }
 
-    /// Strain energy ½ uᵀKu, walls included, J (per metre of thickness in 2-D).
-    pub fn strain_energy(&self, displacement: &[f64], walls: &[f64]) -> f64 {
-        let mut force = vec![0.0; displacement.len()];
-        self.subtract_internal(displacement, walls, &mut force);
-        let points = -dot(&force, displacement);
-        let place = nalgebra::DVector::from_column_slice(walls);
-        let at_walls: f64 = self
-            .walls
-            .iter()
-            .zip(walls)
-            .flat_map(|(wall, w)| wall.response.iter().map(move |&(i, r)| (i, r * w)))
-            .map(|(i, force)| force * displacement[i as usize])
-            .sum();
-        0.5 * (points + at_walls + (&self.wall_stiffness * &place).dot(&place))
+    /// w·(rᵀu + k w): the work of what holds the walls, J (per metre of thickness in 2-D).
+    pub fn wall_work(&self, displacement: &[f64], walls: &[f64]) -> f64 {
+        dot(&self.internal_wall_force(displacement, walls, &[]), walls)
+    }
+
+    /// Work Fᵀw of the forces on the plates at `time`, J.
+    pub fn plate_work(&self, time: f64, walls: &[f64]) -> f64 {
+        let work = |(wall, place): (&MovingWall, &f64)| match &wall.drive {
+            Drive::Force(load) => load.at(time) * place,
+            Drive::Displacement(_) => 0.0,
+        };
+        self.walls.iter().zip(walls).map(work).sum()
     }
 
     /// Bond difference with the walls where they are, m.

@@ -14,12 +14,11 @@ pub struct Divergence {
 }
 
 impl Divergence {
-    /// Adds `scale` · Q u to `result` (shape `(n,)`, m^D): the gain of pore volume by strain.
+    /// Adds Q u to `result` (shape `(n,)`, m^D): the gain of pore volume by strain.
     pub fn add<const D: usize>(
         &self,
         elastic: &Elastic<D>,
         displacement: &[f64],
-        scale: f64,
         result: &mut [f64],
     ) {
         let at = |point: usize| {
@@ -31,7 +30,7 @@ impl Divergence {
             .par_iter_mut()
             .enumerate()
             .with_min_len(256)
-            .for_each(|(point, result)| *result += scale * at(point));
+            .for_each(|(point, result)| *result += at(point));
     }
 
     /// V α div of one point from its bond differences, m^D.
@@ -48,12 +47,11 @@ impl Divergence {
         self.weight[point] * sum
     }
 
-    /// Adds `scale` · Qᵀ p to `result` (shape `(n·D,)`, N): the push of the pressure on the solid.
+    /// Adds Qᵀ p to `result` (shape `(n·D,)`, N): the push of the pressure on the solid.
     pub fn add_adjoint<const D: usize>(
         &self,
         elastic: &Elastic<D>,
         pressure: &[f64],
-        scale: f64,
         result: &mut [f64],
     ) {
         let families = &elastic.around.families;
@@ -69,7 +67,7 @@ impl Divergence {
                     let push = self.weight[owner] * pressure[owner];
                     total += elastic.signs(bond).component_mul(&weight[bond]) * push;
                 }
-                (0..D).for_each(|axis| result[axis] += scale * total[axis]);
+                (0..D).for_each(|axis| result[axis] += total[axis]);
             });
     }
 }

@@ -361,22 +361,17 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn measure_energy(&mut self) {
-        let (model, state) = (&self.model, &self.state);
-        if model.solid.is_none() {
-            return;
-        }
         let State {
+            time,
             pressure,
             displacement,
             walls,
             ..
-        } = state;
-        let (force, scale) = model.unbalanced(state.time, pressure, displacement, walls);
-        let left: f64 = force.iter().map(|f| f.abs()).sum();
-        let energy = model.energy(pressure, displacement, walls);
-        self.balance.energy = Some(energy);
-        self.balance.potential = Some(energy - model.load_work(state.time, displacement, walls));
-        self.balance.momentum = Some(if scale > 0.0 { left / scale } else { 0.0 });
+        } = &self.state;
+        let audit = self.model.audit(*time, pressure, displacement, walls);
+        self.balance.momentum = audit.map(|audit| audit.momentum);
+        self.balance.energy = audit.map(|audit| audit.energy);
+        self.balance.potential = audit.map(|audit| audit.potential);
     }
 }
 

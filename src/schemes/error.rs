@@ -85,8 +85,6 @@ pub enum StepError {
          {relaxation}{}", remedy(*.relaxation)
     )]
     CouplingDiverged {
-        /// Whether a smaller step cannot help.
-        hopeless: bool,
         /// Time, s.
         time: f64,
         /// Passes done.

@@ -91,16 +91,8 @@ impl<const D: usize> ForwardEuler<D> {
     ) -> Result<Self, StepError> {
         let mut scheme = Self::new(model)?;
         let coupling = super::coupling_of(model)?;
-        let split: Vec<f64> = coupling
-            .fixed_stress
-            .iter()
-            .map(|own| options.relaxation * own)
-            .collect();
-        scheme
-            .storage
-            .iter_mut()
-            .zip(&split)
-            .for_each(|(s, b)| *s += b);
+        let (split, storage) = coupling.split(options.relaxation, &scheme.storage);
+        scheme.storage = storage;
         scheme.limit = diffusion_limit(flow_of(model)?, &scheme.storage);
         scheme.name = format!("explicit (forward-euler, {})", solid.name());
         scheme.follower = Some(Follower {

@@ -83,13 +83,10 @@ impl Mixer {
         if last > 0 {
             let (before, now) = (self.residual(last - 1), self.residual(last));
             let change: Vec<f64> = now.iter().zip(&before).map(|(n, b)| n - b).collect();
-            let inner = |a: &[f64], b: &[f64]| {
-                let weighted: Vec<f64> = a.iter().zip(weight).map(|(a, w)| a * w).collect();
-                dot(&weighted, b)
-            };
-            let size = inner(&change, &change);
+            let size = inner(weight, &change, &change);
             if size > 0.0 {
-                self.factor = (-self.factor * inner(&before, &change) / size).clamp(0.05, 20.0);
+                self.factor =
+                    (-self.factor * inner(weight, &before, &change) / size).clamp(0.05, 20.0);
             }
         }
         let (guess, found) = &self.past[last];
@@ -100,10 +97,6 @@ impl Mixer {
     fn anderson(&self, weight: &[f64]) -> Guess {
         let count = self.past.len();
         let residuals: Vec<Vec<f64>> = (0..count).map(|k| self.residual(k)).collect();
-        let inner = |a: &[f64], b: &[f64]| -> f64 {
-            let weighted: Vec<f64> = a.iter().zip(weight).map(|(a, w)| a * w).collect();
-            dot(&weighted, b)
-        };
         // Differences to the newest keep the sum of the shares at one.
         let newest = &residuals[count - 1];
         let differences: Vec<Vec<f64>> = residuals[..count - 1]
@@ -111,8 +104,10 @@ impl Mixer {
             .map(|r| newest.iter().zip(r).map(|(n, r)| n - r).collect())
             .collect();
         let size = differences.len();
-        let gram = DMatrix::from_fn(size, size, |k, l| inner(&differences[k], &differences[l]));
-        let rhs = DVector::from_fn(size, |k, _| inner(&differences[k], newest));
+        let gram = DMatrix::from_fn(size, size, |k, l| {
+            inner(weight, &differences[k], &differences[l])
+        });
+        let rhs = DVector::from_fn(size, |k, _| inner(weight, &differences[k], newest));
         let scale = gram.diagonal().max();
         let shares = match size > 0 && scale > 0.0 {
             true => (gram / scale)
@@ -132,6 +127,11 @@ impl Mixer {
             .collect();
         mix(&terms)
     }
+}
+
+fn inner(weight: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    let weighted: Vec<f64> = a.iter().zip(weight).map(|(a, w)| a * w).collect();
+    dot(&weighted, b)
 }
 
 fn mix(terms: &[(f64, &Guess)]) -> Guess {

@@ -13,7 +13,7 @@ use perifrac_solvers::{
 };
 
 use super::layout::Layout;
-use super::solid::{Border, build_solver, corner};
+use super::solid::{Border, Chosen, build_solver, corner};
 use super::stage::{Stage, Target};
 use super::system::SAME;
 use super::{
@@ -24,7 +24,7 @@ use crate::model::{Drive, FlowModel, Model, SolidModel};
 /// Stage that solves displacement and pressure together.
 pub struct Monolithic {
     solver: Box<dyn LinearSolver>,
-    chosen: (String, String),
+    chosen: Chosen,
     layout: Layout,
     /// Values of K and Q, scaled; entries between pressures are zero.
     template: Vec<f64>,
@@ -63,12 +63,6 @@ impl Monolithic {
             unknowns_per_point: D + 1,
         };
         let (solver, chosen) = build_solver(spec, &problem)?;
-        let mut is_fixed = vec![false; flow.points()];
-        flow.fixed
-            .iter()
-            .for_each(|fixed| is_fixed[fixed.point] = true);
-        let mut leak = vec![0.0; flow.points()];
-        flow.walls.iter().for_each(|wall| wall.add_leak(&mut leak));
         Ok(Monolithic {
             solver,
             chosen,
@@ -77,8 +71,8 @@ impl Monolithic {
             layout,
             border: Border::default(),
             coefficient: None,
-            is_fixed,
-            leak,
+            is_fixed: flow.fixed_mask(),
+            leak: flow.leak(),
         })
     }
 

@@ -32,7 +32,7 @@ pub trait SolidSolver<const D: usize>: Send {
 /// Newton's method on the assembled stiffness: one solve for a linear solid.
 pub struct Assembled {
     solver: Box<dyn LinearSolver>,
-    chosen: (String, String),
+    chosen: Chosen,
     border: Border,
     newton: u64,
     refilled: Option<u64>,

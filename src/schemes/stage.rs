@@ -133,9 +133,7 @@ impl<const D: usize> Stage<D> for FlowStage {
         rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
-        let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.system.solve(flow_of(model)?, &rhs, &mut error)?;
-        Ok(error)
+        Ok(self.system.filter(flow_of(model)?, &rhs, report)?)
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -28,6 +28,7 @@ pub struct Staggered<const D: usize> {
     options: SchemeOptions,
     /// Disagreement, relative to the terms of the mass balance, at which passes end.
     tolerance: f64,
+    is_fixed: Vec<bool>,
     lags: Lags,
     coupling_iterations: u64,
     contraction: f64,
@@ -85,24 +86,16 @@ impl<const D: usize> Staggered<D> {
         options: SchemeOptions,
         tolerance: f64,
     ) -> Self {
-        let split: Vec<f64> = coupling
-            .fixed_stress
-            .iter()
-            .map(|own| options.relaxation * own)
-            .collect();
+        let (split, storage) = coupling.split(options.relaxation, &model.capacity);
         Staggered {
             name,
             flow,
             solid,
-            storage: model
-                .capacity
-                .iter()
-                .zip(&split)
-                .map(|(c, b)| c + b)
-                .collect(),
+            storage,
             split,
             options,
             tolerance,
+            is_fixed: model.fixed_mask(),
             lags: Lags::default(),
             coupling_iterations: 0,
             contraction: 0.0,
@@ -174,7 +167,7 @@ impl<const D: usize> Staggered<D> {
             let content = self.solid_pass(model, target, &pressure, &mut state, report)?;
             self.coupling_iterations += 1;
             let found = Guess { pressure, content };
-            let (left, scale) = self.disagreement(model, target, rhs, (&guess, &found))?;
+            let (left, scale) = self.disagreement(target, rhs, (&guess, &found));
             let scale = scale + rounding;
             if pass == 1 {
                 first = left;
@@ -210,10 +203,7 @@ impl<const D: usize> Staggered<D> {
         residual: f64,
     ) -> Result<Increment, StepError> {
         let (flow, coupling) = (flow_of(model)?, coupling_of(model)?);
-        // Growth of the disagreement from pass to pass as the step goes to zero, −(b − β)/(S + β).
-        let growth = |i: usize| (coupling.oedometric[i] - self.split[i]) / self.storage[i];
         Err(StepError::CouplingDiverged {
-            hopeless: (0..flow.points()).any(|i| growth(i) > 1.0),
             time,
             passes,
             residual,
@@ -225,26 +215,20 @@ impl<const D: usize> Staggered<D> {
     /// Residual of the coupled mass balance in absolute amounts, and its scale, m^D.
     fn disagreement(
         &self,
-        model: &Model<D>,
         target: &Target<'_>,
         rhs: &[f64],
         (guess, found): (&Guess, &Guess),
-    ) -> Result<(f64, f64), StepError> {
-        let flow = flow_of(model)?;
-        let mut is_fixed = vec![false; rhs.len()];
-        flow.fixed
-            .iter()
-            .for_each(|fixed| is_fixed[fixed.point] = true);
+    ) -> (f64, f64) {
         let base = &target.base.pressure;
         let mut total = (0.0, 0.0);
-        for (i, right) in rhs.iter().enumerate().filter(|(i, _)| !is_fixed[*i]) {
+        for (i, right) in rhs.iter().enumerate().filter(|(i, _)| !self.is_fixed[*i]) {
             let strain = guess.content[i] - found.content[i];
             let pressure = self.split[i] * (guess.pressure[i] - found.pressure[i]);
             let held = FLOOR * base[i].abs() + found.pressure[i].abs();
             total.0 += (strain - pressure).abs();
             total.1 += right.abs() + found.content[i].abs() + self.storage[i] * held;
         }
-        Ok(total)
+        total
     }
 }
 
@@ -320,9 +304,7 @@ impl<const D: usize> Stage<D> for Staggered<D> {
         rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
-        let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.flow.solve(flow_of(model)?, &rhs, &mut error)?;
-        Ok(error)
+        Ok(self.flow.filter(flow_of(model)?, &rhs, report)?)
     }
 
     fn counters(&self) -> SchemeCounters {

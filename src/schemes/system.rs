@@ -1,19 +1,19 @@
 //! The implicit matrix S + a L of flow, factored anew only when `a` or L changes.
 
 use perifrac_solvers::{
-    Coordinates, LinearSolver, Problem, SolveError, SolverCounters, SolverSpec, Symmetry, choose,
-    multiply,
+    Coordinates, LinearSolver, Problem, SolveError, SolverCounters, SolverSpec, Symmetry, multiply,
 };
 
 use crate::model::FlowModel;
 
-use super::StepError;
+use super::solid::{Chosen, build_solver};
+use super::{StepError, StepReport};
 
 /// Solver of (S + a L) x = b with rows of fixed points replaced by the identity. S is the capacity of
 /// the points, with what a fixed-stress split adds to it.
 pub struct ImplicitSystem {
     solver: Box<dyn LinearSolver>,
-    chosen: (String, String),
+    chosen: Chosen,
     values: Vec<f64>,
     coefficient: Option<f64>,
     /// What the diagonal stores, shape `(n,)`, m^D/Pa; zero for a steady state.
@@ -25,6 +25,7 @@ pub struct ImplicitSystem {
     /// What grounding added to each diagonal.
     ground: Vec<f64>,
     is_fixed: Vec<bool>,
+    any_fixed: bool,
     lift: Vec<f64>,
     defect: Vec<f64>,
     correction: Vec<f64>,
@@ -57,36 +58,18 @@ impl ImplicitSystem {
             }),
             unknowns_per_point: 1,
         };
-        let (spec, reason) = match spec.name() {
-            "auto" => {
-                let choice = choose(&problem)?;
-                (choice.spec, choice.reason)
-            }
-            _ => (spec.clone(), "asked for".to_owned()),
-        };
-        let mut solver = spec.build()?;
-        solver.analyse(&problem)?;
-        let mut is_fixed = vec![
-            false;
-            if flow.fixed.is_empty() {
-                0
-            } else {
-                flow.points()
-            }
-        ];
-        flow.fixed
-            .iter()
-            .for_each(|fixed| is_fixed[fixed.point] = true);
+        let (solver, chosen) = build_solver(spec, &problem)?;
         Ok(ImplicitSystem {
             solver,
-            chosen: (spec.to_string(), reason),
+            chosen,
             values,
             coefficient: None,
             storage: vec![0.0; flow.points()],
             stabilised: false,
-            leak: leaks(flow),
+            leak: flow.leak(),
             ground: vec![0.0; flow.points()],
-            is_fixed,
+            is_fixed: flow.fixed_mask(),
+            any_fixed: !flow.fixed.is_empty(),
             lift: Vec::new(),
             defect: Vec::new(),
             correction: Vec::new(),
@@ -95,7 +78,7 @@ impl ImplicitSystem {
     }
 
     /// The solver in use and why.
-    pub fn chosen(&self) -> &(String, String) {
+    pub fn chosen(&self) -> &Chosen {
         &self.chosen
     }
 
@@ -149,7 +132,7 @@ impl ImplicitSystem {
 
     /// Replaces rows and columns of fixed points, keeping their diagonal as the scale.
     fn fix_rows<const D: usize>(&mut self, flow: &FlowModel<D>) {
-        if self.is_fixed.is_empty() {
+        if !self.any_fixed {
             return;
         }
         for row in 0..flow.points() {
@@ -216,6 +199,21 @@ impl ImplicitSystem {
         Ok(iterations)
     }
 
+    /// (S + a L)⁻¹ rhs from rest: the filter of error estimates.
+    ///
+    /// # Errors
+    /// As [`ImplicitSystem::solve`].
+    pub fn filter<const D: usize>(
+        &mut self,
+        flow: &FlowModel<D>,
+        rhs: &[f64],
+        report: &mut StepReport,
+    ) -> Result<Vec<f64>, SolveError> {
+        let mut error = vec![0.0; rhs.len()];
+        report.iterations += self.solve(flow, rhs, &mut error)?;
+        Ok(error)
+    }
+
     /// Sets the defect to b − (S + a L) x, with L x from differences; gives its sum of absolutes.
     fn residual<const D: usize>(&mut self, flow: &FlowModel<D>, rhs: &[f64], x: &[f64]) -> f64 {
         let a = self.coefficient.unwrap_or(1.0);
@@ -229,9 +227,9 @@ impl ImplicitSystem {
         }
         for (row, defect) in self.defect.iter_mut().enumerate() {
             let own = a * self.leak[row] + self.storage[row] + self.ground[row];
-            *defect = match self.is_fixed.get(row) {
-                Some(true) => 0.0,
-                _ => rhs[row] + a * *defect + self.held[row] - own * x[row],
+            *defect = match self.is_fixed[row] {
+                true => 0.0,
+                false => rhs[row] + a * *defect + self.held[row] - own * x[row],
             };
         }
         self.defect.iter().map(|d| d.abs()).sum()
@@ -239,7 +237,7 @@ impl ImplicitSystem {
 
     /// Moves the known values of fixed points to the right-hand side.
     fn lift<const D: usize>(&mut self, flow: &FlowModel<D>, rhs: &mut [f64], x: &[f64]) {
-        if self.is_fixed.is_empty() {
+        if !self.any_fixed {
             return;
         }
         let known: Vec<f64> = x
@@ -263,11 +261,4 @@ impl ImplicitSystem {
             };
         }
     }
-}
-
-/// Conductance of every point to the sides of prescribed pressure, which is its row sum of L.
-fn leaks<const D: usize>(flow: &FlowModel<D>) -> Vec<f64> {
-    let mut leak = vec![0.0; flow.points()];
-    flow.walls.iter().for_each(|wall| wall.add_leak(&mut leak));
-    leak
 }

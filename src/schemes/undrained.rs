@@ -25,8 +25,8 @@ pub fn undrained<const D: usize>(
     state: &mut State,
 ) -> Result<(), StepError> {
     let (flow, coupling) = (flow_of(model)?, coupling_of(model)?);
-    let (capacity, split) = (&flow.capacity, &coupling.fixed_stress);
-    let storage: Vec<f64> = capacity.iter().zip(split).map(|(c, b)| c + b).collect();
+    let capacity = &flow.capacity;
+    let (split, storage) = coupling.split(1.0, capacity);
     let start = state.clone();
     let bar = SETTLED.max(0.1 * solid.accuracy());
     let mut mixer = Mixer::new(options.acceleration);
@@ -67,7 +67,6 @@ pub fn undrained<const D: usize>(
         }
     }
     Err(StepError::CouplingDiverged {
-        hopeless: true,
         time: state.time,
         passes: options.coupling_iterations,
         residual: relative,

@@ -8,7 +8,6 @@ use super::{
     solid_of,
 };
 use crate::model::{Model, SolidModel};
-use crate::report::Flows;
 
 /// Velocity Verlet.
 pub struct Verlet {
@@ -98,36 +97,32 @@ impl Verlet {
             .map(|(r, c)| dt * r - c)
             .collect();
         let mut change = vec![0.0; rhs.len()];
-        flow.fix(trial.time, &old.pressure, &mut change);
         match &mut self.flow {
             None => {
-                let fixed: Vec<f64> = flow.fixed.iter().map(|f| change[f.point]).collect();
-                for i in 0..rhs.len() {
-                    change[i] = rhs[i] / flow.capacity[i];
+                for (change, (rhs, own)) in change.iter_mut().zip(rhs.iter().zip(&flow.capacity)) {
+                    *change = rhs / own;
                 }
-                flow.fixed
-                    .iter()
-                    .zip(fixed)
-                    .for_each(|(f, own)| change[f.point] = own);
+                flow.fix(trial.time, &old.pressure, &mut change);
             }
             Some(system) => {
+                flow.fix(trial.time, &old.pressure, &mut change);
                 system.prepare(flow, &flow.capacity, dt, &[])?;
                 report.iterations += system.solve(flow, &rhs, &mut change)?;
             }
         }
-        trial
-            .pressure
-            .iter_mut()
-            .zip(old.pressure.iter().zip(&change))
-            .for_each(|(p, (o, c))| *p = o + c);
-        let seen = if self.flow.is_some() {
+        let moved = old.pressure.iter().zip(&change).map(|(o, c)| o + c);
+        trial.pressure.clear();
+        trial.pressure.extend(moved);
+        // Fluxes of the pressure that the step used.
+        let used = if self.flow.is_some() {
+            flow.imbalance(at, &trial.pressure, &mut imbalance);
             &trial.pressure
         } else {
             &old.pressure
         };
-        let mut flows = Flows::default();
-        flows.add(dt, &flow.flows(seen, at));
-        report.flows = flows;
+        report.flows.add(dt, &flow.flows(used, at));
+        let gain = |i: usize| flow.capacity[i] * change[i] + content[i] - dt * imbalance[i];
+        report.flows.fixed = flow.fixed.iter().map(|fixed| gain(fixed.point)).sum();
         Ok(())
     }
 }

@@ -348,6 +348,29 @@ fn mass_is_balanced_with_prescribed_pressures_inside() {
 }
 
 #[test]
+fn mass_is_balanced_with_prescribed_pressures_inside_and_inertia() {
+    let text = perifrac::cases::find("terzaghi").unwrap().scene;
+    let text = text.split("[output]").next().unwrap();
+    let region = r#"flow.regions=[{region={type="box", min=[7, 0], max=[8, 1]}, pressure=5000}]"#;
+    let inertia = [
+        "mechanics.mode=dynamic",
+        "materials.rock.density=2000",
+        "time={end=0.05}",
+    ];
+    let common = [&["geometry.spacing=0.5", region][..], &inertia].concat();
+    for scheme in ["explicit", "semi-implicit"] {
+        let name = format!("scheme.name={scheme}");
+        let own = [name.as_str(), "time.integrator=backward-euler"];
+        let (summary, _) = run_text(text, &[&common[..], &own].concat());
+        println!("{scheme}: {:?}", summary.balance);
+        assert!(
+            summary.balance.fixed != 0.0 && summary.balance.mass < 1e-11,
+            "{scheme}"
+        );
+    }
+}
+
+#[test]
 fn mass_is_balanced_with_prescribed_pressures_inside_and_no_mechanics() {
     let text = perifrac::cases::find("two-layer").unwrap().scene;
     let text = text.split("[output]").next().unwrap();

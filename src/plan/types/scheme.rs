@@ -99,10 +99,10 @@ pub enum Acceleration {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolidMethod {
-    /// Dynamic relaxation at rest, velocity Verlet in motion.
+    /// Dynamic relaxation where forces are out of balance, a single step where they are not.
     Switched,
     /// Adaptive dynamic relaxation.
     Adr,
-    /// Velocity Verlet.
+    /// A single step of velocity Verlet from rest.
     Verlet,
 }

@@ -95,12 +95,13 @@ pub enum Acceleration {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SolidMethod {
-    /// Dynamic relaxation while the rock is at rest, velocity Verlet while it moves.
+    /// Dynamic relaxation where forces are out of balance, a single step where they are not
+    /// (Algorithm 3).
     #[default]
     Switched,
     /// Adaptive dynamic relaxation.
     Adr,
-    /// Velocity Verlet.
+    /// A single step of velocity Verlet from rest, whatever the balance of forces.
     Verlet,
 }
 
