@@ -10,8 +10,8 @@ use faer::matrix_free::conjugate_gradient::{
 use faer::{MatMut, MatRef, Par};
 
 use crate::cholesky::{CholeskyFactor, Kind as FactorKind, Ordering};
+use crate::faer_adapter::{Operator, Preconditioner};
 use crate::matrix::{check_vector, rounding_floor};
-use crate::preconditioner::{Operator, Preconditioner};
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, OptionSpec, OptionValue, Options};
 use crate::system::{ACCEPTED_RESIDUAL, Residuals, System};

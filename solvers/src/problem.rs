@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::partition::Partition;
 use crate::{CsrView, SolveError};
 
 /// What is known of the matrix beyond its pattern. The pattern itself is symmetric in all cases
@@ -47,6 +48,17 @@ impl Coordinates<'_> {
     }
 }
 
+/// Fields that a matrix, left free at its boundary, maps to (nearly) zero: what a multilevel method
+/// must carry to its coarse levels exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum NearNullspace {
+    /// One constant for each unknown of a point.
+    Constants,
+    /// Translations and rotations. The first unknowns of a point are the components of a
+    /// displacement, as many as there are coordinates; a further unknown has its own constant.
+    RigidModes,
+}
+
 /// A linear problem as a solver needs to know it before it sees values.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<'a> {
@@ -58,6 +70,30 @@ pub struct Problem<'a> {
     pub coordinates: Option<Coordinates<'a>>,
     /// Unknowns per point `u`; unknown `i` belongs to point `i / u`.
     pub unknowns_per_point: usize,
+    /// What the matrix hardly resists.
+    pub near_nullspace: NearNullspace,
+    /// Quasi-definite problems: one entry per point, known from the physics, that approximates the
+    /// Schur complement B K⁻¹ Bᵀ of the negative block by a diagonal (for poroelasticity the
+    /// fixed-stress storage in the scale of the matrix).
+    pub schur_diagonal: Option<&'a [f64]>,
+    /// Distributed problems: which rows are stored here. Rows of other processes are empty.
+    pub partition: Option<&'a Partition>,
+}
+
+impl<'a> Problem<'a> {
+    /// A problem with constants as near-nullspace and nothing else known.
+    #[must_use]
+    pub fn new(pattern: CsrView<'a>, symmetry: Symmetry, unknowns_per_point: usize) -> Self {
+        Self {
+            pattern,
+            symmetry,
+            coordinates: None,
+            unknowns_per_point,
+            near_nullspace: NearNullspace::Constants,
+            schur_diagonal: None,
+            partition: None,
+        }
+    }
 }
 
 impl Problem<'_> {

@@ -135,12 +135,13 @@ pub(crate) fn positive_definite<'a>(
         dimension: cloud.dimension,
         values: &cloud.coordinates,
     });
-    let symmetry = Symmetry::PositiveDefinite;
     Problem {
-        pattern: matrix.view(),
-        symmetry,
         coordinates,
-        unknowns_per_point,
+        ..Problem::new(
+            matrix.view(),
+            Symmetry::PositiveDefinite,
+            unknowns_per_point,
+        )
     }
 }
 

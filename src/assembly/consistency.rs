@@ -335,13 +335,11 @@ fn multipliers<const D: usize>(
     let coordinates = around.cloud.flat_positions();
     let mut solver = "faer-llt".parse::<SolverSpec>()?.build()?;
     solver.analyse(&Problem {
-        pattern: view(&shifted),
-        symmetry: Symmetry::PositiveDefinite,
         coordinates: Some(Coordinates {
             dimension: D,
             values: &coordinates,
         }),
-        unknowns_per_point: 1,
+        ..Problem::new(view(&shifted), Symmetry::PositiveDefinite, 1)
     })?;
     solver.refresh(view(&shifted))?;
     let (mut residual, mut product, mut step) =

@@ -9,7 +9,7 @@
 //! entries of both blocks of one size, so that residuals mean something for both.
 
 use perifrac_solvers::{
-    Coordinates, CsrMatrix, LinearSolver, Problem, SolveError, SolverSpec, Symmetry,
+    Coordinates, CsrMatrix, LinearSolver, NearNullspace, Problem, SolveError, SolverSpec, Symmetry,
 };
 
 use super::layout::Layout;
@@ -54,13 +54,12 @@ impl Monolithic {
         matrix.data_mut().copy_from_slice(&template);
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
-            pattern: matrix.view(),
-            symmetry: Symmetry::QuasiDefinite,
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
             }),
-            unknowns_per_point: D + 1,
+            near_nullspace: NearNullspace::RigidModes,
+            ..Problem::new(matrix.view(), Symmetry::QuasiDefinite, D + 1)
         };
         let (solver, chosen) = build_solver(spec, &problem)?;
         Ok(Monolithic {

@@ -1,7 +1,9 @@
 //! Mechanical equilibrium at a given pressure: assembled and solved, or relaxed.
 
 use nalgebra::{DMatrix, DVector};
-use perifrac_solvers::{Coordinates, LinearSolver, Problem, SolverSpec, Symmetry, choose};
+use perifrac_solvers::{
+    Coordinates, LinearSolver, NearNullspace, Problem, SolverSpec, Symmetry, choose,
+};
 
 use super::{SchemeCounters, State, StepError, solid_of};
 use crate::model::{Model, SolidModel};
@@ -58,13 +60,12 @@ impl Assembled {
     ) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
         let problem = Problem {
-            pattern: solid.matrix(),
-            symmetry: Symmetry::PositiveDefinite,
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
             }),
-            unknowns_per_point: D,
+            near_nullspace: NearNullspace::RigidModes,
+            ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
         };
         let (solver, chosen) = build_solver(spec, &problem)?;
         Ok(Assembled {

@@ -50,13 +50,11 @@ impl ImplicitSystem {
         let coordinates = flow.operator.neighbourhood().cloud.flat_positions();
         let values = vec![0.0; flow.pattern.nonzeros()];
         let problem = Problem {
-            pattern: flow.view(&values),
-            symmetry: Symmetry::PositiveDefinite,
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
             }),
-            unknowns_per_point: 1,
+            ..Problem::new(flow.view(&values), Symmetry::PositiveDefinite, 1)
         };
         let (solver, chosen) = build_solver(spec, &problem)?;
         Ok(ImplicitSystem {
