@@ -70,6 +70,16 @@ impl<const D: usize> Elastic<D> {
         }
     }
 
+    /// Multiplies the stiffness of one point, hourglass included; refill what was assembled from it.
+    pub fn degrade(&mut self, point: usize, factor: f64) {
+        let Lame { lambda, mu } = self.lame[point];
+        self.lame[point] = Lame {
+            lambda: factor * lambda,
+            mu: factor * mu,
+        };
+        self.hourglass[point] *= factor;
+    }
+
     /// Number of points.
     pub fn points(&self) -> usize {
         self.around.len()

@@ -1,9 +1,77 @@
-//! Where displacement and pressure lie in the monolithic matrix.
+//! The monolithic matrix: where displacement and pressure lie in it, and its values.
 
 use perifrac_solvers::CsrMatrix;
 
-use super::StepError;
-use crate::model::{Coupling, FlowModel, SolidModel};
+use super::{StepError, coupling_of, flow_of, solid_of};
+use crate::model::{Coupling, FlowModel, Model, SolidModel};
+
+/// The matrix of displacement and scaled pressure, refilled when the coefficient of L changes.
+pub struct BlockMatrix {
+    /// Where the blocks lie.
+    pub layout: Layout,
+    /// Values of K and Q, scaled; entries between pressures are zero.
+    template: Vec<f64>,
+    /// The matrix as last filled.
+    pub matrix: CsrMatrix,
+    /// Whether the pressure of a point is prescribed, shape `(n,)`.
+    pub is_fixed: Vec<bool>,
+    /// Storage of the fixed-stress split in the scale of the matrix: what strain adds to the block of
+    /// the pressures, roughly. Shape `(n,)`.
+    pub schur_diagonal: Vec<f64>,
+}
+
+impl BlockMatrix {
+    /// Builds the pattern and the part of the values that never changes.
+    ///
+    /// # Errors
+    /// [`StepError::Pattern`] for a matrix that is too large.
+    pub fn new<const D: usize>(model: &Model<D>) -> Result<Self, StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let (layout, matrix) = Layout::new(flow, solid, coupling)?;
+        let square = layout.scale * layout.scale;
+        Ok(BlockMatrix {
+            template: layout.template(&matrix, solid, coupling),
+            is_fixed: flow.fixed_mask(),
+            schur_diagonal: coupling.fixed_stress.iter().map(|b| square * b).collect(),
+            layout,
+            matrix,
+        })
+    }
+
+    /// Fills in S + a L, with fixed pressures cut off.
+    pub fn fill<const D: usize>(&mut self, flow: &FlowModel<D>, a: f64) {
+        let layout = &self.layout;
+        let square = layout.scale * layout.scale;
+        let values = self.matrix.data_mut();
+        values.copy_from_slice(&self.template);
+        for (&place, conductance) in layout.exchange.iter().zip(&flow.conductance) {
+            values[place as usize] -= square * a * conductance;
+        }
+        for (&place, own) in layout.exchange.iter().zip(&flow.stabilisation) {
+            values[place as usize] -= square * own;
+        }
+        for (&place, capacity) in layout.diagonal.iter().zip(&flow.capacity) {
+            values[place as usize] -= square * capacity;
+        }
+        if !flow.fixed.is_empty() {
+            self.fix_rows();
+        }
+    }
+
+    /// Cuts the pressures of fixed points off everything else.
+    fn fix_rows(&mut self) {
+        let width = self.layout.dimension + 1;
+        let is_fixed = &self.is_fixed;
+        let fixed = |unknown: usize| unknown % width == width - 1 && is_fixed[unknown / width];
+        for (row, mut entries) in self.matrix.outer_iterator_mut().enumerate() {
+            for (column, value) in entries.iter_mut() {
+                if column != row && (fixed(row) || fixed(column)) {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+}
 
 /// Where the blocks lie.
 pub struct Layout {

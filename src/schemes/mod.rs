@@ -33,6 +33,7 @@ pub use control::StepControl;
 pub use error::StepError;
 pub use explicit::ForwardEuler;
 pub use implicit::Implicit;
+pub use layout::BlockMatrix;
 pub use limits::{StepLimit, diffusion_limit};
 pub use monolithic::Monolithic;
 pub use quasi_static::QuasiStatic;

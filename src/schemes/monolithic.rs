@@ -9,29 +9,25 @@
 //! entries of both blocks of one size, so that residuals mean something for both.
 
 use perifrac_solvers::{
-    Coordinates, CsrMatrix, LinearSolver, NearNullspace, Problem, SolveError, SolverSpec, Symmetry,
+    Coordinates, LinearSolver, NearNullspace, Problem, SolveError, SolverSpec, Symmetry,
 };
 
-use super::layout::Layout;
+use super::layout::BlockMatrix;
 use super::solid::{Border, Chosen, build_solver, corner};
 use super::stage::{Stage, Target};
 use super::system::SAME;
 use super::{
     Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of, solid_of,
 };
-use crate::model::{Drive, FlowModel, Model, SolidModel};
+use crate::model::{Drive, Model, SolidModel};
 
 /// Stage that solves displacement and pressure together.
 pub struct Monolithic {
     solver: Box<dyn LinearSolver>,
     chosen: Chosen,
-    layout: Layout,
-    /// Values of K and Q, scaled; entries between pressures are zero.
-    template: Vec<f64>,
-    matrix: CsrMatrix,
+    block: BlockMatrix,
     border: Border,
     coefficient: Option<f64>,
-    is_fixed: Vec<bool>,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
 }
@@ -48,10 +44,7 @@ impl Monolithic {
     /// # Errors
     /// [`StepError`] if the solver is refused.
     pub fn new<const D: usize>(spec: &SolverSpec, model: &Model<D>) -> Result<Self, StepError> {
-        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
-        let (layout, mut matrix) = Layout::new(flow, solid, coupling)?;
-        let template = layout.template(&matrix, solid, coupling);
-        matrix.data_mut().copy_from_slice(&template);
+        let block = BlockMatrix::new(model)?;
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
             coordinates: Some(Coordinates {
@@ -59,74 +52,39 @@ impl Monolithic {
                 values: &coordinates,
             }),
             near_nullspace: NearNullspace::RigidModes,
-            ..Problem::new(matrix.view(), Symmetry::QuasiDefinite, D + 1)
+            schur_diagonal: Some(&block.schur_diagonal),
+            ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
         };
         let (solver, chosen) = build_solver(spec, &problem)?;
         Ok(Monolithic {
             solver,
             chosen,
-            matrix,
-            template,
-            layout,
+            block,
             border: Border::default(),
             coefficient: None,
-            is_fixed: flow.fixed_mask(),
-            leak: flow.leak(),
+            leak: flow_of(model)?.leak(),
         })
     }
 
-    fn fill<const D: usize>(&mut self, flow: &FlowModel<D>, a: f64) {
-        let layout = &self.layout;
-        let square = layout.scale * layout.scale;
-        let values = self.matrix.data_mut();
-        values.copy_from_slice(&self.template);
-        for (&place, conductance) in layout.exchange.iter().zip(&flow.conductance) {
-            values[place as usize] -= square * a * conductance;
-        }
-        for (&place, own) in layout.exchange.iter().zip(&flow.stabilisation) {
-            values[place as usize] -= square * own;
-        }
-        for (&place, capacity) in layout.diagonal.iter().zip(&flow.capacity) {
-            values[place as usize] -= square * capacity;
-        }
-        if !flow.fixed.is_empty() {
-            self.fix_rows();
-        }
-    }
-
-    /// Cuts the pressures of fixed points off everything else.
-    fn fix_rows(&mut self) {
-        let width = self.layout.dimension + 1;
-        let is_fixed = &self.is_fixed;
-        let fixed = |unknown: usize| unknown % width == width - 1 && is_fixed[unknown / width];
-        for (row, mut entries) in self.matrix.outer_iterator_mut().enumerate() {
-            for (column, value) in entries.iter_mut() {
-                if column != row && (fixed(row) || fixed(column)) {
-                    *value = 0.0;
-                }
-            }
-        }
-    }
-
     fn build_border<const D: usize>(&mut self, solid: &SolidModel<D>) -> Result<(), StepError> {
-        let layout = &self.layout;
+        let layout = &self.block.layout;
         let width = D + 1;
         let column = |plate: usize| {
             let wall = &solid.walls[plate];
-            let mut column = vec![0.0; self.matrix.rows()];
+            let mut column = vec![0.0; self.block.matrix.rows()];
             for &(unknown, response) in &wall.response {
                 let unknown = unknown as usize;
                 column[unknown / D * width + unknown % D] = response;
             }
             for &(point, content) in &wall.content {
-                if !self.is_fixed[point as usize] {
+                if !self.block.is_fixed[point as usize] {
                     column[point as usize * width + D] = -layout.scale * content;
                 }
             }
             column
         };
         let columns = solid.plates().into_iter().map(column).collect();
-        let (solver, view) = (&mut self.solver, self.matrix.view());
+        let (solver, view) = (&mut self.solver, self.block.matrix.view());
         self.border = Border::new(columns, corner(solid), |column| {
             let mut x = vec![0.0; column.len()];
             solver.solve(view, column, &mut x)?;
@@ -143,15 +101,15 @@ impl Monolithic {
         x: &mut Increment,
         report: &mut StepReport,
     ) -> Result<(), StepError> {
-        let (width, scale) = (D + 1, self.layout.scale);
-        let mut rhs = vec![0.0; self.matrix.rows()];
+        let (width, scale) = (D + 1, self.block.layout.scale);
+        let mut rhs = vec![0.0; self.block.matrix.rows()];
         for (point, flow) in defect.flow.iter().enumerate() {
             let force = &defect.force[point * D..][..D];
             rhs[point * width..][..D].copy_from_slice(force);
             rhs[point * width + D] = -scale * flow;
         }
         let mut solution = vec![0.0; rhs.len()];
-        let view = self.matrix.view();
+        let view = self.block.matrix.view();
         report.iterations += self.solver.solve(view, &rhs, &mut solution)?.iterations;
         let moved = self.border.close(&mut solution, &defect.plates);
         for point in 0..defect.flow.len() {
@@ -191,7 +149,7 @@ impl Monolithic {
         for i in 0..left.len() {
             let stored = (flow.capacity[i] + a * self.leak[i]) * x.pressure[i];
             flow_scale += known.flow[i].abs() + content[i].abs() + stored.abs();
-            if !self.is_fixed[i] {
+            if !self.block.is_fixed[i] {
                 left[i] = known.flow[i] - stored - content[i] + a * exchanged[i] + held[i];
             }
         }
@@ -292,8 +250,8 @@ impl<const D: usize> Stage<D> for Monolithic {
             return Ok(());
         }
         self.coefficient = None;
-        self.fill(flow_of(model)?, a);
-        self.solver.refresh(self.matrix.view())?;
+        self.block.fill(flow_of(model)?, a);
+        self.solver.refresh(self.block.matrix.view())?;
         self.build_border(solid_of(model)?)?;
         self.coefficient = Some(a);
         Ok(())
@@ -345,7 +303,7 @@ impl<const D: usize> Stage<D> for Monolithic {
         };
         let mut flow = rhs;
         flow.iter_mut()
-            .zip(&self.is_fixed)
+            .zip(&self.block.is_fixed)
             .filter(|(_, f)| **f)
             .for_each(|(r, _)| *r = 0.0);
         let defect = Defect {
