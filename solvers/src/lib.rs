@@ -32,6 +32,7 @@ mod registry;
 mod report;
 mod spec;
 mod system;
+mod team;
 #[cfg(test)]
 mod test_support;
 
@@ -40,11 +41,12 @@ pub use cholesky::predict;
 pub use error::{SolveError, SpecError};
 pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
 pub use ordering::{Permutation, nested_dissection};
-pub use partition::{Partition, Team};
+pub use partition::Partition;
 pub use problem::{Coordinates, NearNullspace, Problem, Symmetry};
 pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
 pub use report::{FactorPrediction, SolveReport, SolverCounters};
 pub use spec::SolverSpec;
+pub use team::{Team, thread_team};
 
 /// A linear solver for one sparsity pattern at a time: analyse, refresh, solve.
 ///

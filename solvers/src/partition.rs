@@ -6,23 +6,8 @@
 
 use std::sync::Arc;
 
+use crate::Team;
 use crate::problem::Coordinates;
-
-/// Processes that work on one run together.
-pub trait Team: Send + Sync + std::fmt::Debug {
-    /// Number of this process, from 0.
-    fn rank(&self) -> usize;
-
-    /// Number of processes.
-    fn size(&self) -> usize;
-
-    /// Replaces every value by its sum over all processes, with the same bits everywhere.
-    fn sum(&self, values: &mut [f64]);
-
-    /// Brings blocks together: process `r` gives `values[starts[r]..starts[r + 1]]` and receives
-    /// the blocks of the others. `starts` is the same everywhere.
-    fn gather(&self, starts: &[usize], values: &mut [f64]);
-}
 
 /// Points dealt out to the processes of a team, in compact regions of equal size.
 #[derive(Debug, Clone)]
@@ -149,49 +134,7 @@ fn longest_axis(coordinates: &Coordinates<'_>, points: &[u32]) -> usize {
 mod tests {
     use super::*;
     use crate::test_support::jittered_grid;
-    use std::sync::{Barrier, Mutex};
-
-    /// Threads that exchange through shared memory.
-    #[derive(Debug)]
-    struct Threads {
-        rank: usize,
-        size: usize,
-        shared: Arc<(Barrier, Mutex<Vec<f64>>)>,
-    }
-
-    impl Team for Threads {
-        fn rank(&self) -> usize {
-            self.rank
-        }
-
-        fn size(&self) -> usize {
-            self.size
-        }
-
-        fn sum(&self, _values: &mut [f64]) {}
-
-        fn gather(&self, starts: &[usize], values: &mut [f64]) {
-            let (barrier, board) = &*self.shared;
-            let own = starts[self.rank]..starts[self.rank + 1];
-            {
-                let mut board = board.lock().unwrap();
-                board.resize(values.len(), 0.0);
-                board[own.clone()].copy_from_slice(&values[own]);
-            }
-            barrier.wait();
-            values.copy_from_slice(&board.lock().unwrap());
-            barrier.wait();
-        }
-    }
-
-    fn team(size: usize) -> Vec<Arc<dyn Team>> {
-        let shared = Arc::new((Barrier::new(size), Mutex::new(Vec::new())));
-        let member = |rank| {
-            let shared = shared.clone();
-            Arc::new(Threads { rank, size, shared }) as Arc<dyn Team>
-        };
-        (0..size).map(member).collect()
-    }
+    use crate::thread_team as team;
 
     #[test]
     fn every_point_has_one_owner_and_shares_differ_by_few() {

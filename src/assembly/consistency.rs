@@ -193,15 +193,15 @@ pub fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, sides: &[Side])
         })
     };
     let crossing: Vec<bool> = (0..around.len()).map(crosses).collect();
-    (0..around.len())
-        .map(|point| {
-            crossing[point]
-                || around
-                    .families
-                    .dual(point)
-                    .any(|(owner, _)| crossing[owner])
-        })
-        .collect()
+    let feels = |point: usize| {
+        let mut seen_by = around.families.dual(point);
+        crossing[point] || seen_by.any(|(owner, _)| crossing[owner])
+    };
+    let mut layer: Vec<f64> = (0..around.len())
+        .map(|point| f64::from(u8::from(feels(point))))
+        .collect();
+    around.families.share.complete(&mut layer, 1);
+    layer.into_iter().map(|own| own > 0.5).collect()
 }
 
 /// Column sums wanted: zero inside, the layer's own at one-sided planes, adjusted so that the
@@ -303,6 +303,10 @@ const SINGULAR_SHIFT: f64 = 1e-9;
 /// Corrections of the multipliers; each gains several digits.
 const REFINEMENTS: usize = 12;
 
+/// Factor of the shifted matrix over several processes.
+const DISTRIBUTED: &str =
+    "petsc:-ksp_type preonly -pc_type cholesky -pc_factor_mat_solver_type mumps";
+
 /// λ with A λ = rhs, by a factor of the shifted matrix and refinement with the true one.
 fn multipliers<const D: usize>(
     form: &Hourglass<D>,
@@ -327,14 +331,20 @@ fn multipliers<const D: usize>(
     let plan = Refill::new(form, natural, pattern);
     scalar::fill(form, natural, &[], pattern, &plan, &mut values);
     let mut shifted = values.clone();
-    for row in 0..pattern.rows() {
-        shifted[pattern.diagonal(row)] *= 1.0 + shift;
+    for (_, diagonal) in pattern.diagonals() {
+        shifted[diagonal] *= 1.0 + shift;
     }
     let shape = (pattern.rows(), pattern.rows());
     let view = |values| CsrView::new(shape, &pattern.offsets[..], &pattern.columns[..], values);
     let coordinates = around.cloud.flat_positions();
-    let mut solver = "faer-llt".parse::<SolverSpec>()?.build()?;
+    let share = &around.families.share;
+    let name = match share.partition() {
+        None => "faer-llt",
+        Some(_) => DISTRIBUTED,
+    };
+    let mut solver = name.parse::<SolverSpec>()?.build()?;
     solver.analyse(&Problem {
+        partition: share.partition(),
         coordinates: Some(Coordinates {
             dimension: D,
             values: &coordinates,
@@ -348,6 +358,7 @@ fn multipliers<const D: usize>(
         solver.solve(view(&shifted), &residual, &mut step)?;
         lambda.iter_mut().zip(&step).for_each(|(l, s)| *l += s);
         multiply(view(&values), &lambda, &mut product);
+        share.complete(&mut product, 1);
         residual
             .iter_mut()
             .zip(rhs.iter().zip(&product))

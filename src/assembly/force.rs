@@ -58,7 +58,7 @@ pub fn force<const D: usize, F: BondForm<D>>(
             forces
         })
         .collect();
-    (0..families.len())
+    let mut sums: Vec<f64> = (0..families.len())
         .into_par_iter()
         .map(|point| {
             let own: f64 = per_bond[families.family(point)].iter().sum();
@@ -68,13 +68,16 @@ pub fn force<const D: usize, F: BondForm<D>>(
                 .sum();
             dual - own
         })
-        .collect()
+        .collect();
+    families.share.complete(&mut sums, 1);
+    sums
 }
 
-/// Points with bonds that leave through a side of prescribed value, in increasing order.
+/// Points of this process with bonds that leave through a side of prescribed value, in increasing order.
 pub fn outlets<const D: usize, F: BondForm<D>>(form: &F, extension: &Extension<D>) -> Vec<u32> {
     let families = &form.neighbourhood().families;
     (0..families.len())
+        .filter(|&owner| families.share.owns(owner))
         .filter(|&owner| {
             families
                 .family(owner)
@@ -108,5 +111,6 @@ pub fn outflow<const D: usize, F: BondForm<D>>(
             }
         }
     }
+    families.share.sum(&mut rates);
     rates
 }

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use crate::geometry::Families;
 use crate::operators::BondForm;
 
-/// Column indices of every row, sorted, diagonal included; symmetric.
+/// Column indices of every row, sorted, diagonal included; symmetric. Rows that other processes hold
+/// are empty.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     /// Start of every row in `columns`, shape `(n + 1,)`.
@@ -55,7 +56,9 @@ impl Pattern {
                     let (mut counts, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
                     for row in chunk * CHUNK..((chunk + 1) * CHUNK).min(rows) {
                         let before = columns.len();
-                        marker.row(families, &couples, row, &mut columns);
+                        if families.share.owns(row) {
+                            marker.row(families, &couples, row, &mut columns);
+                        }
                         columns[before..].sort_unstable();
                         counts.push((columns.len() - before) as u32);
                     }
@@ -165,6 +168,14 @@ impl Pattern {
         self.offsets.len() - 1
     }
 
+    /// Rows that are stored here, with the place of their diagonal entry.
+    pub fn diagonals(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let stored = |row: &usize| !self.row(*row).is_empty();
+        (0..self.rows())
+            .filter(stored)
+            .map(|row| (row, self.diagonal(row)))
+    }
+
     /// Number of stored entries.
     pub fn nonzeros(&self) -> usize {
         self.columns.len()
@@ -175,7 +186,7 @@ impl Pattern {
         self.offsets[row] as usize..self.offsets[row + 1] as usize
     }
 
-    /// Place of the diagonal entry of a row.
+    /// Place of the diagonal entry of a row that is stored here.
     pub fn diagonal(&self, row: usize) -> usize {
         let range = self.row(row);
         let start = range.start;

@@ -156,8 +156,10 @@ impl OneHop {
         });
         for &(owner, end, factor) in &self.odd {
             let mean = form.mean(mobility[owner as usize], mobility[end as usize]);
-            for point in [owner, end] {
-                values[pattern.diagonal(point as usize)] += 2.0 * factor * mean;
+            for point in [owner as usize, end as usize] {
+                if !pattern.row(point).is_empty() {
+                    values[pattern.diagonal(point)] += 2.0 * factor * mean;
+                }
             }
         }
     }
@@ -203,7 +205,10 @@ pub(super) fn by_rows<T: Send>(
     chunks.into_par_iter().for_each(|(range, mut chunk)| {
         for row in range {
             let (part, tail) = chunk.split_at_mut((offsets[row + 1] - offsets[row]) as usize);
-            work(row, part);
+            // Rows of other processes are empty.
+            if !part.is_empty() {
+                work(row, part);
+            }
             chunk = tail;
         }
     });

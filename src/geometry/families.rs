@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::cell_list::CellList;
-use super::{Cloud, GeometryError, ImageTable, Vector};
+use super::{Cloud, GeometryError, ImageTable, Share, Vector};
+use perifrac_solvers::Partition;
 
 /// The cloud together with its mirror images within reach, ready for radius searches.
 pub(super) struct World<const D: usize> {
@@ -62,6 +63,8 @@ pub struct Families<const D: usize> {
     pub horizon: Vec<f64>,
     /// The images that bonds refer to.
     pub images: ImageTable<D>,
+    /// The part of the bonds that is held here.
+    pub share: Share,
     offset: Vec<u32>,
     neighbour: Vec<u32>,
     image: Vec<u8>,
@@ -82,23 +85,43 @@ impl<const D: usize> Families<D> {
     /// [`GeometryError::TooManyImages`] for a domain too thin for the horizon;
     /// [`GeometryError::TooLarge`] beyond 32-bit indices.
     pub fn search(cloud: &Cloud<D>, horizon: Vec<f64>) -> Result<Self, GeometryError> {
+        Self::search_share(cloud, horizon, None, &[])
+    }
+
+    /// As [`Families::search`], but if there is a partition only for the points that the rows of this
+    /// process need, and for those in `watched`; all other families are empty.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn search_share(
+        cloud: &Cloud<D>,
+        horizon: Vec<f64>,
+        partition: Option<Partition>,
+        watched: &[usize],
+    ) -> Result<Self, GeometryError> {
         let reach = horizon.iter().copied().fold(0.0, f64::max);
         let images = ImageTable::new(&cloud.domain, reach)?;
         let typical = horizon.iter().sum::<f64>() / horizon.len().max(1) as f64;
         let world = World::new(cloud, &images, reach, typical);
+        let share = partition.map_or_else(Share::default, |partition| {
+            let held = held_families(cloud, &world, &horizon, &partition, watched);
+            Share::of(partition, held)
+        });
         let chunks: Vec<Chunk> = (0..cloud.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(cloud.len());
-                family_chunk(cloud, &world, &horizon, points)
+                family_chunk(cloud, &world, &horizon, &share, points)
             })
             .collect();
-        Self::from_chunks(horizon, images, chunks)
+        drop(world);
+        Self::from_chunks(horizon, images, share, chunks)
     }
 
     fn from_chunks(
         horizon: Vec<f64>,
         images: ImageTable<D>,
+        share: Share,
         chunks: Vec<Chunk>,
     ) -> Result<Self, GeometryError> {
         let bonds: usize = chunks.iter().map(|(_, bonds)| bonds.len()).sum();
@@ -125,6 +148,7 @@ impl<const D: usize> Families<D> {
         Ok(Families {
             horizon,
             images,
+            share,
             offset,
             neighbour,
             image,
@@ -155,6 +179,7 @@ impl<const D: usize> Families<D> {
         Self::from_chunks(
             self.horizon.clone(),
             self.images.clone(),
+            self.share.clone(),
             vec![(counts, bonds)],
         )
     }
@@ -214,8 +239,30 @@ impl<const D: usize> Families<D> {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let words = self.offset.len() + self.neighbour.len() + 3 * self.dual_bond.len();
-        4 * words + self.image.len() + 8 * self.horizon.len()
+        4 * words + self.image.len() + 8 * self.horizon.len() + self.share.bytes()
     }
+}
+
+/// The points of this process, all points that see one of them, and those that are watched.
+///
+/// An image of a point sees another point exactly as the point sees that one's image.
+fn held_families<const D: usize>(
+    cloud: &Cloud<D>,
+    world: &World<D>,
+    horizon: &[f64],
+    partition: &Partition,
+    watched: &[usize],
+) -> Vec<bool> {
+    let mut held = partition.mask();
+    watched.iter().for_each(|point| held[*point] = true);
+    let reach = horizon.iter().copied().fold(0.0, f64::max);
+    for &own in partition.own() {
+        world.within(&cloud.position[own as usize], reach, |index, squared| {
+            let (source, _) = world.origin(index);
+            held[source] |= squared <= horizon[source].powi(2) * (1.0 + 1e-12);
+        });
+    }
+    held
 }
 
 /// Family sizes and bonds of a range of points.
@@ -223,11 +270,16 @@ fn family_chunk<const D: usize>(
     cloud: &Cloud<D>,
     world: &World<D>,
     horizon: &[f64],
+    share: &Share,
     points: std::ops::Range<usize>,
 ) -> Chunk {
     let mut counts = Vec::with_capacity(points.len());
     let mut bonds: Vec<(u32, u8)> = Vec::with_capacity(24 * points.len());
     for point in points {
+        if !share.holds(point) {
+            counts.push(0);
+            continue;
+        }
         let before = bonds.len();
         world.within(&cloud.position[point], horizon[point], |index, _| {
             let bond = (world.source[index as usize], world.image[index as usize]);

@@ -11,6 +11,7 @@ mod images;
 mod influence;
 mod sampler;
 mod shape;
+mod share;
 mod side;
 
 pub(crate) use cloud::edge;
@@ -22,6 +23,7 @@ pub use images::{Image, ImageTable};
 pub use influence::Influence;
 pub use sampler::Sampler;
 pub use shape::Shape;
+pub use share::Share;
 pub use side::Side;
 
 /// A position or vector in `D` dimensions, in metres where it is a position.

@@ -3,7 +3,9 @@
 use crate::effects::vector;
 use crate::geometry::generate::{blocks, graded, jitter, lattice};
 use crate::geometry::{Cloud, Domain, Families, Vector, horizons};
-use crate::plan::{GeometryPlan, Plan, PointTable};
+use crate::plan::{GeometryPlan, Plan, PointTable, Profile};
+use perifrac_solvers::{Coordinates, Partition, Team};
+use std::sync::Arc;
 
 use super::ModelError;
 
@@ -51,15 +53,43 @@ pub fn build_cloud<const D: usize>(
     }
 }
 
-/// Finds the families of the plan's horizon.
+/// Finds the families of the plan's horizon; with a team only those that this process needs.
 ///
 /// # Errors
 /// [`ModelError::Geometry`].
 pub fn build_families<const D: usize>(
     plan: &Plan,
     cloud: &Cloud<D>,
+    team: Option<&Arc<dyn Team>>,
 ) -> Result<Families<D>, ModelError> {
-    Ok(Families::search(cloud, horizons(cloud, plan.horizon)?)?)
+    let horizon = horizons(cloud, plan.horizon)?;
+    let Some(team) = team else {
+        return Ok(Families::search(cloud, horizon)?);
+    };
+    let values = cloud.flat_positions();
+    let coordinates = Coordinates {
+        dimension: D,
+        values: &values,
+    };
+    let partition = Partition::bisection(team.clone(), &coordinates);
+    let watched = match team.rank() {
+        0 => watched(plan, cloud),
+        _ => Vec::new(),
+    };
+    Ok(Families::search_share(
+        cloud,
+        horizon,
+        Some(partition),
+        &watched,
+    )?)
+}
+
+/// Points whose slopes the first process needs for probes and profiles.
+fn watched<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Vec<usize> {
+    let probes = plan.output.probes.iter().map(|probe| vector(&probe.at));
+    let profiles = plan.output.profiles.iter().flat_map(Profile::places);
+    let places = probes.chain(profiles.map(|place| vector(&place)));
+    places.flat_map(|place| cloud.all_nearest(&place)).collect()
 }
 
 fn from_table<const D: usize>(

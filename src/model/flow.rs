@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
-use crate::geometry::{Cloud, Families, Side, Vector};
+use crate::geometry::{Cloud, Families, Share, Side, Vector};
 use crate::operators::{Extension, Neighbourhood, Parity};
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
@@ -226,6 +226,12 @@ impl<const D: usize> FlowModel<D> {
             .for_each(|(row, result)| {
                 *result -= exchange(pattern, conductance, pressure, row);
             });
+        self.share().complete(result, 1);
+    }
+
+    /// The rows that are stored here.
+    pub fn share(&self) -> &Share {
+        &self.operator.neighbourhood().families.share
     }
 
     /// Takes what the stabilising storage holds at `pressure` off every entry, m^D.
@@ -239,6 +245,7 @@ impl<const D: usize> FlowModel<D> {
             .enumerate()
             .with_min_len(1024)
             .for_each(|(row, result)| *result -= exchange(pattern, values, pressure, row));
+        self.share().complete(result, 1);
     }
 
     /// Rates at which the boundary and the sources move fluid in the state `pressure` at `time`;
@@ -364,7 +371,7 @@ impl<const D: usize> FlowModel<D> {
         perifrac_solvers::dot(&self.capacity, pressure)
     }
 
-    /// Darcy velocity −κ(∇̃p − ρ_f g) (Eq. 37), shape `(n,)`, m/s.
+    /// Darcy velocity −κ(∇̃p − ρ_f g) (Eq. 37), shape `(n,)`, m/s; zero at points of other processes.
     pub fn velocity(&self, pressure: &[f64], time: f64) -> Vec<Vector<D>> {
         let walls = self.wall_values(time);
         let drive = self.drive(pressure, &walls);

@@ -12,6 +12,8 @@ mod stabilisation;
 
 use std::sync::Arc;
 
+use perifrac_solvers::Team;
+
 pub use cloud::{build_cloud, build_families};
 pub use coupling::{Audit, Coupling};
 pub use error::ModelError;
@@ -19,7 +21,7 @@ pub use flow::{FixedPressure, FlowModel, exchange};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel};
 
-use crate::geometry::{Cloud, Families, Vector};
+use crate::geometry::{Cloud, Families, Share, Vector};
 use crate::plan::{Plan, manufactured};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
@@ -48,12 +50,24 @@ impl<const D: usize> Model<D> {
     /// # Errors
     /// [`ModelError`], which says what in the plan does not fit.
     pub fn build(plan: &Plan, timers: &mut Timers) -> Result<Self, ModelError> {
+        Self::build_with(plan, None, timers)
+    }
+
+    /// As [`Model::build`], but if there is a team with the bonds and matrix rows of this process only.
+    ///
+    /// # Errors
+    /// As [`Model::build`].
+    pub fn build_with(
+        plan: &Plan,
+        team: Option<&Arc<dyn Team>>,
+        timers: &mut Timers,
+    ) -> Result<Self, ModelError> {
         if plan.flow.is_none() && plan.mechanics.is_none() {
             return Err(ModelError::NothingToDo);
         }
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         let cloud = Arc::new(cloud);
-        let families = timers.time("families", || build_families(plan, &cloud))?;
+        let families = timers.time("families", || build_families(plan, &cloud, team))?;
         let points = properties::assign(plan, &cloud, table)?;
         let mut warnings = Vec::new();
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
@@ -84,6 +98,15 @@ impl<const D: usize> Model<D> {
             coupling,
             warnings,
         })
+    }
+
+    /// The rows and families that are stored here.
+    pub fn share(&self) -> &Share {
+        match (&self.flow, &self.solid) {
+            (Some(flow), _) => flow.share(),
+            (None, Some(solid)) => solid.share(),
+            (None, None) => &Share::WHOLE,
+        }
     }
 
     /// Times at which a load's slope jumps, sorted.

@@ -14,7 +14,7 @@ use crate::assembly::{
     Consistency, Pattern, Planes, consistent_gradient, fill_stiffness, matrix_bytes,
 };
 use crate::effects::{self, Counted, SolidContext};
-use crate::geometry::{Cloud, Families, Matrix, Side, Vector};
+use crate::geometry::{Cloud, Families, Matrix, Share, Side, Vector};
 use crate::load::Load;
 use crate::operators::{Divergence, Elastic, Extension, Neighbourhood, Parity, point_value};
 use crate::plan::{MechanicsPlan, Plan, Support};
@@ -168,12 +168,16 @@ impl<const D: usize> SolidModel<D> {
             .iter()
             .map(|drive| elastic.bond_forces(|_, bond| offset(drive, bond)))
             .collect();
-        let bonds = elastic.around.families.bonds();
+        let families = &elastic.around.families;
+        let own = |point: &usize| families.share.owns(*point);
         self.wall_stiffness = DMatrix::from_fn(drives.len(), drives.len(), |k, l| {
-            (0..bonds)
+            (0..families.len())
+                .filter(own)
+                .flat_map(|point| families.family(point))
                 .map(|bond| forces[k][bond].dot(&offset(&drives[l], bond)))
                 .sum()
         });
+        families.share.sum(self.wall_stiffness.as_mut_slice());
         self.walls = drives
             .iter()
             .zip(&forces)
@@ -184,7 +188,9 @@ impl<const D: usize> SolidModel<D> {
                 response: sparse(elastic.gather(forces)),
                 content: coupling.map_or_else(Vec::new, |coupling| {
                     let of = |i| coupling.of_differences(elastic, i, |bond| offset(wall, bond));
-                    sparse((0..elastic.points()).map(of).collect())
+                    let mut content: Vec<f64> = (0..elastic.points()).map(of).collect();
+                    families.share.complete(&mut content, 1);
+                    sparse(content)
                 }),
             })
             .collect();
@@ -193,6 +199,11 @@ impl<const D: usize> SolidModel<D> {
     /// Number of displacement unknowns.
     pub fn unknowns(&self) -> usize {
         D * self.elastic.points()
+    }
+
+    /// The rows that are stored here.
+    pub fn share(&self) -> &Share {
+        &self.elastic.around.families.share
     }
 
     /// K as a matrix.
@@ -221,6 +232,7 @@ impl<const D: usize> SolidModel<D> {
     pub fn subtract_internal(&self, displacement: &[f64], walls: &[f64], force: &mut [f64]) {
         let mut product = vec![0.0; displacement.len()];
         multiply(self.matrix(), displacement, &mut product);
+        self.share().complete(&mut product, D);
         force.iter_mut().zip(&product).for_each(|(f, p)| *f -= p);
         for (wall, &place) in self.walls.iter().zip(walls) {
             for &(unknown, response) in &wall.response {
@@ -324,7 +336,8 @@ impl<const D: usize> SolidModel<D> {
         value
     }
 
-    /// Displacement gradient per point, shape `(n,)`; rows are components.
+    /// Displacement gradient per point, shape `(n,)`; rows are components. Zero at points of other
+    /// processes.
     pub fn slopes(&self, displacement: &[f64], walls: &[f64]) -> Vec<Matrix<D>> {
         let at = |point| {
             let difference = |bond| self.difference(displacement, walls, point, bond);

@@ -65,7 +65,7 @@ fn family_weights<const D: usize>(around: &Neighbourhood<D>, owner: usize) -> (V
             .map(|b| volume * around.measure[b] * plain)
             .collect()
     };
-    if scaled.amax() < 1e-11 {
+    if scaled.amax() < 1e-11 || !around.families.share.holds(owner) {
         return (uniform(), true);
     }
     let Some(tensor) = second_moment_tensor(around, owner) else {

@@ -73,6 +73,9 @@ impl<const D: usize> Correspondence<D> {
 
 /// I − (2c/m) K of one family.
 fn bracket<const D: usize>(around: &Neighbourhood<D>, owner: usize, hourglass: f64) -> Matrix<D> {
+    if !around.families.share.holds(owner) {
+        return Matrix::zeros();
+    }
     Matrix::identity() - around.shape(owner) * (2.0 * hourglass / around.moment[owner])
 }
 

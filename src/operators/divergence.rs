@@ -31,6 +31,7 @@ impl Divergence {
             .enumerate()
             .with_min_len(256)
             .for_each(|(point, result)| *result += at(point));
+        elastic.around.families.share.complete(result, 1);
     }
 
     /// V α div of one point from its bond differences, m^D.
@@ -69,5 +70,6 @@ impl Divergence {
                 }
                 (0..D).for_each(|axis| result[axis] += total[axis]);
             });
+        families.share.complete(result, D);
     }
 }

@@ -156,10 +156,12 @@ impl<const D: usize> Elastic<D> {
             let total = dual - own;
             (0..D).map(move |axis| total[axis]).collect::<Vec<f64>>()
         };
-        (0..self.points())
+        let mut sums: Vec<f64> = (0..self.points())
             .into_par_iter()
             .flat_map_iter(at)
-            .collect()
+            .collect();
+        families.share.complete(&mut sums, D);
+        sums
     }
 
     /// K u without a matrix: slower than a product, the oracle of the assembled one.

@@ -73,7 +73,7 @@ pub fn column_sums<const D: usize>(
 ) -> Vec<Vector<D>> {
     let families = &around.families;
     let volume = &around.cloud.volume;
-    (0..around.len())
+    let sums: Vec<Vector<D>> = (0..around.len())
         .into_par_iter()
         .map(|point| {
             let mut sum = Vector::zeros();
@@ -86,6 +86,14 @@ pub fn column_sums<const D: usize>(
             }
             sum
         })
+        .collect();
+    if families.share.partition().is_none() {
+        return sums;
+    }
+    let mut flat: Vec<f64> = sums.iter().flat_map(|sum| sum.iter().copied()).collect();
+    families.share.complete(&mut flat, D);
+    flat.chunks_exact(D)
+        .map(Vector::from_column_slice)
         .collect()
 }
 

@@ -103,6 +103,10 @@ fn invert<const D: usize>(
     owner: usize,
     measure: &[f64],
 ) -> Result<(Matrix<D>, f64), GeometryError> {
+    if !families.share.holds(owner) {
+        // An infinite moment leaves no stiffness to a family that is not there.
+        return Ok((Matrix::zeros(), f64::INFINITY));
+    }
     let shape = shape_tensor(cloud, families, owner, measure);
     let moment = shape.trace();
     // Scaled to the isotropic tensor the determinant is 1, and falls to 0 with the thinnest axis.

@@ -11,6 +11,7 @@ mod error;
 mod history;
 pub mod plots;
 mod pvd;
+mod pvtu;
 mod summary;
 mod vtu;
 
@@ -19,5 +20,6 @@ pub use error::OutputError;
 pub use history::{History, Table};
 pub use plots::{FieldPlot, LinePlot, LineStyle, Scale, Series, field_png, lines_svg};
 pub use pvd::Pvd;
+pub use pvtu::write_pvtu;
 pub use summary::write_json;
 pub use vtu::{Field, VtuData, write_vtu};

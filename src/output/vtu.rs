@@ -137,7 +137,7 @@ fn write_vertices(writer: &mut dyn Write, points: usize) -> io::Result<()> {
 }
 
 /// Scalars carry no `NumberOfComponents`: some readers would make them columns of width one.
-fn attributes_of(field: &Field<'_>) -> String {
+pub(super) fn attributes_of(field: &Field<'_>) -> String {
     let mut text = format!("Name=\"{}\"", escape(field.name));
     match field.components {
         1 => {}

@@ -37,6 +37,9 @@ pub enum RunError {
         /// End, s.
         end: f64,
     },
+    /// Another process of the run failed.
+    #[error("another process of the run failed; its message says why")]
+    Elsewhere,
     /// The user stopped it.
     #[error("interrupted at t = {time:.6e} s; what was written is complete")]
     Interrupted {

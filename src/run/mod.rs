@@ -10,5 +10,5 @@ mod writer;
 
 pub use error::RunError;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
-pub use time_loop::{Observer, Progress, run};
+pub use time_loop::{Observer, Progress, run, run_with};
 pub use writer::Writer;

@@ -1,12 +1,16 @@
 //! The time loop.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+
+use perifrac_solvers::Team;
 
 use super::finish::extremes;
 use super::stops::{Stops, clamp};
 use super::{RunError, Summary, TimedErrors, Writer};
 use crate::model::Model;
+use crate::output::OutputError;
 use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode};
 use crate::report::{Balance, Timers};
 use crate::schemes::{
@@ -53,9 +57,24 @@ pub fn run<const D: usize>(
     observer: &mut dyn Observer,
     interrupt: &AtomicBool,
 ) -> Result<(Summary, State), RunError> {
+    run_with::<D>(plan, None, writer, observer, interrupt)
+}
+
+/// As [`run`], with other processes if there is a team: all must call it together, each with its own
+/// writer. The summary and the state are the same everywhere.
+///
+/// # Errors
+/// As [`run`]; [`RunError::Elsewhere`] if another process failed.
+pub fn run_with<const D: usize>(
+    plan: &Plan,
+    team: Option<&Arc<dyn Team>>,
+    writer: Option<&mut Writer>,
+    observer: &mut dyn Observer,
+    interrupt: &AtomicBool,
+) -> Result<(Summary, State), RunError> {
     let started = Instant::now();
     let mut timers = Timers::default();
-    let model = Model::<D>::build(plan, &mut timers)?;
+    let model = Model::<D>::build_with(plan, team, &mut timers)?;
     let warnings: Vec<String> = plan
         .warnings
         .iter()
@@ -127,7 +146,7 @@ impl<const D: usize> Run<'_, D> {
 
     fn steady(&mut self) -> Result<Effort, RunError> {
         self.scheme_name = "steady".to_owned();
-        if self.interrupt.load(Ordering::Relaxed) {
+        if self.is_interrupted() {
             return Err(RunError::Interrupted { time: 0.0 });
         }
         let start = Instant::now();
@@ -243,9 +262,26 @@ impl<const D: usize> Run<'_, D> {
         Ok(())
     }
 
+    /// Whether the user stopped any of the processes.
+    fn is_interrupted(&self) -> bool {
+        let mut stopped = [f64::from(u8::from(self.interrupt.load(Ordering::Relaxed)))];
+        self.model.share().sum(&mut stopped);
+        stopped[0] > 0.5
+    }
+
+    /// A failure of one process is a failure of all, so that none waits for another.
+    fn agree(&self, result: Result<(), OutputError>) -> Result<(), RunError> {
+        let mut failed = [f64::from(u8::from(result.is_err()))];
+        self.model.share().sum(&mut failed);
+        match result {
+            Ok(()) if failed[0] > 0.5 => Err(RunError::Elsewhere),
+            result => Ok(result?),
+        }
+    }
+
     fn check_limits(&mut self) -> Result<(), RunError> {
         let time = self.state.time;
-        if self.interrupt.load(Ordering::Relaxed) {
+        if self.is_interrupted() {
             if self.last_output != Some(time) {
                 self.write_fields()?;
             }
@@ -324,10 +360,11 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn start_history(&mut self) -> Result<(), RunError> {
-        match &mut self.writer {
-            Some(writer) => Ok(writer.start_history::<D>(self.plan)?),
-            None => Ok(()),
-        }
+        let Some(writer) = &mut self.writer else {
+            return Ok(());
+        };
+        let started = writer.start_history::<D>(self.plan);
+        self.agree(started)
     }
 
     fn write_history(&mut self, dt: f64, report: &StepReport) -> Result<(), RunError> {
@@ -338,15 +375,15 @@ impl<const D: usize> Run<'_, D> {
         let Some(writer) = &mut self.writer else {
             return Ok(());
         };
-        writer.history(
+        let written = writer.history(
             self.plan,
             &self.model,
             &self.state,
             dt,
             report.iterations,
             &self.balance,
-        )?;
-        Ok(())
+        );
+        self.agree(written)
     }
 
     fn write_fields(&mut self) -> Result<(), RunError> {
@@ -354,10 +391,16 @@ impl<const D: usize> Run<'_, D> {
         if self.state.time > 0.0 || self.plan.time.mode == TimeMode::Steady {
             self.record_errors();
         }
-        match &mut self.writer {
-            Some(writer) => Ok(writer.fields(self.plan, &self.model, &self.state)?),
-            None => Ok(()),
-        }
+        let Some(writer) = &mut self.writer else {
+            return Ok(());
+        };
+        let written = writer.piece(self.plan, &self.model, &self.state);
+        self.agree(written)?;
+        let Some(writer) = &mut self.writer else {
+            return Ok(());
+        };
+        let completed = writer.fields(self.plan, &self.model, &self.state);
+        self.agree(completed)
     }
 
     fn measure_energy(&mut self) {

@@ -50,8 +50,8 @@ impl BlockMatrix {
         for (&place, own) in layout.exchange.iter().zip(&flow.stabilisation) {
             values[place as usize] -= square * own;
         }
-        for (&place, capacity) in layout.diagonal.iter().zip(&flow.capacity) {
-            values[place as usize] -= square * capacity;
+        for &(point, place) in &layout.diagonal {
+            values[place as usize] -= square * flow.capacity[point as usize];
         }
         if !flow.fixed.is_empty() {
             self.fix_rows();
@@ -79,8 +79,8 @@ pub struct Layout {
     pub dimension: usize,
     /// Place of every entry of L, shape of its values.
     pub exchange: Vec<u32>,
-    /// Place of every point's own pressure entry.
-    pub diagonal: Vec<u32>,
+    /// Points whose rows are stored here, with the place of their own pressure entry.
+    pub diagonal: Vec<(u32, u32)>,
     /// Pa per unit of the scaled pressure.
     pub scale: f64,
 }
@@ -113,7 +113,7 @@ impl Layout {
             dimension: D,
             exchange: entries.collect(),
             diagonal: (0..flow.points())
-                .filter_map(|row| place(row, row))
+                .filter_map(|row| Some((row as u32, place(row, row)?)))
                 .collect(),
             scale: pressure_scale(solid, coupling),
         };
@@ -166,9 +166,9 @@ fn pressure_scale<const D: usize>(solid: &SolidModel<D>, coupling: &Coupling) ->
     let elastic = &solid.elastic;
     let stiffness: f64 = (0..solid.unknowns())
         .filter_map(|row| solid.stiffness.get(row, row))
-        .sum::<f64>()
-        / solid.unknowns() as f64;
+        .sum();
     let push: f64 = (0..elastic.points())
+        .filter(|owner| solid.share().owns(*owner))
         .map(|owner| {
             let family = elastic.around.families.family(owner);
             let sum: f64 = family
@@ -176,8 +176,11 @@ fn pressure_scale<const D: usize>(solid: &SolidModel<D>, coupling: &Coupling) ->
                 .sum();
             coupling.divergence.weight[owner] * sum
         })
-        .sum::<f64>()
-        / elastic.points() as f64;
+        .sum();
+    let mut sums = [stiffness, push];
+    solid.share().sum(&mut sums);
+    let stiffness = sums[0] / solid.unknowns() as f64;
+    let push = sums[1] / elastic.points() as f64;
     // A power of two scales without rounding.
     match push > 0.0 {
         true => (stiffness / push).log2().round().exp2(),

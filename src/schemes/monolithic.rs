@@ -47,6 +47,7 @@ impl Monolithic {
         let block = BlockMatrix::new(model)?;
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
+            partition: solid_of(model)?.share().partition(),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,

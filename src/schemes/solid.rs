@@ -60,6 +60,7 @@ impl Assembled {
     ) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
         let problem = Problem {
+            partition: solid.share().partition(),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,

@@ -5,6 +5,8 @@
 //! the grounded pressure is zero exactly, so nothing else changes. The constant follows from the
 //! volume stored at the start, which a sealed part keeps.
 
+use std::collections::BTreeMap;
+
 use perifrac_solvers::SolverSpec;
 
 use super::{ImplicitSystem, SchemeCounters, State, StepError, StepReport};
@@ -71,28 +73,52 @@ fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
         .iter()
         .flat_map(Wall::points)
         .for_each(|point| anchored[point] = true);
-    let mut seen = vec![false; flow.points()];
-    let mut sealed = Vec::new();
-    for first in 0..flow.points() {
-        if seen[first] {
-            continue;
-        }
-        seen[first] = true;
-        let mut part = vec![first as u32];
-        let mut next = 0;
-        while let Some(&point) = part.get(next) {
-            next += 1;
-            for &column in &flow.pattern.columns[flow.pattern.row(point as usize)] {
-                if !std::mem::replace(&mut seen[column as usize], true) {
-                    part.push(column);
+    let label = labels(flow);
+    let mut parts: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (point, &label) in (0_u32..).zip(&label) {
+        parts.entry(label).or_default().push(point);
+    }
+    let mut parts: Vec<Vec<u32>> = parts.into_values().collect();
+    parts.retain(|part| !part.iter().any(|&point| anchored[point as usize]));
+    parts
+}
+
+/// Lowest point of the connected part of every point, shape `(n,)`.
+///
+/// Labels fall to those of neighbours until none changes; over several processes each settles its own
+/// rows between two exchanges.
+fn labels<const D: usize>(flow: &FlowModel<D>) -> Vec<u32> {
+    let (pattern, share) = (&flow.pattern, flow.share());
+    let mut label: Vec<u32> = (0..flow.points() as u32).collect();
+    loop {
+        let before = label.clone();
+        // The lowest label first: it floods its part at once.
+        let mut pending: Vec<u32> = (0..flow.points() as u32).rev().collect();
+        while let Some(point) = pending.pop() {
+            let own = label[point as usize];
+            for &column in &pattern.columns[pattern.row(point as usize)] {
+                let other = &mut label[column as usize];
+                if *other > own {
+                    *other = own;
+                    pending.push(column);
                 }
             }
         }
-        if !part.iter().any(|&point| anchored[point as usize]) {
-            sealed.push(part);
+        if share.partition().is_none() {
+            return label;
+        }
+        let mut common: Vec<f64> = label.iter().map(|own| f64::from(*own)).collect();
+        share.complete(&mut common, 1);
+        let (mut changed, pairs) = ([0.0], label.iter_mut().zip(&common));
+        for (own, common) in pairs {
+            *own = (*own).min(*common as u32);
+        }
+        changed[0] += f64::from(u8::from(label != before));
+        share.sum(&mut changed);
+        if changed[0] < 0.5 {
+            return label;
         }
     }
-    sealed
 }
 
 fn check_balance(parts: &[Vec<u32>], rate: &[f64]) -> Result<(), StepError> {

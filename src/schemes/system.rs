@@ -50,6 +50,7 @@ impl ImplicitSystem {
         let coordinates = flow.operator.neighbourhood().cloud.flat_positions();
         let values = vec![0.0; flow.pattern.nonzeros()];
         let problem = Problem {
+            partition: flow.share().partition(),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
@@ -112,16 +113,18 @@ impl ImplicitSystem {
             let pairs = self.values.iter_mut().zip(&flow.stabilisation);
             pairs.for_each(|(v, s)| *v += s);
         }
-        for (row, own) in storage.iter().enumerate() {
-            self.values[flow.pattern.diagonal(row)] += own;
+        for (row, diagonal) in flow.pattern.diagonals() {
+            self.values[diagonal] += storage[row];
         }
         self.storage.copy_from_slice(storage);
         self.ground.fill(0.0);
-        for &row in ground {
+        let grounded = ground.iter().filter(|row| flow.share().owns(**row));
+        for &row in grounded {
             let diagonal = flow.pattern.diagonal(row);
             self.ground[row] = self.values[diagonal];
             self.values[diagonal] *= 2.0;
         }
+        flow.share().complete(&mut self.ground, 1);
         self.fix_rows(flow);
         self.solver.refresh(flow.view(&self.values))?;
         self.coefficient = Some(a);
@@ -252,11 +255,12 @@ impl ImplicitSystem {
             multiply(flow.view(&flow.stabilisation), &known, &mut held);
             self.lift.iter_mut().zip(&held).for_each(|(l, h)| *l += h);
         }
-        for row in 0..x.len() {
+        for (row, diagonal) in flow.pattern.diagonals() {
             rhs[row] = match self.is_fixed[row] {
-                true => self.values[flow.pattern.diagonal(row)] * known[row],
+                true => self.values[diagonal] * known[row],
                 false => rhs[row] - self.lift[row],
             };
         }
+        flow.share().complete(rhs, 1);
     }
 }

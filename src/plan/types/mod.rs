@@ -298,6 +298,21 @@ pub struct Profile {
     pub points: usize,
 }
 
+impl Profile {
+    /// The places, evenly spaced from one end to the other, m.
+    pub fn places(&self) -> Vec<Vec<f64>> {
+        let intervals = (self.points.max(2) - 1) as f64;
+        let ends = || self.from.iter().zip(&self.to);
+        let at = |k: usize| {
+            let share = k as f64 / intervals;
+            ends()
+                .map(|(from, to)| from + (to - from) * share)
+                .collect()
+        };
+        (0..self.points).map(at).collect()
+    }
+}
+
 /// Exact solutions a scene may name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReferencePlan {

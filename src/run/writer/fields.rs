@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::geometry::Matrix;
 use crate::model::{FlowModel, Model, SolidModel};
 use crate::operators::Lame;
-use crate::output::{Field, OutputError, VtuData, write_vtu};
+use crate::output::{Field, OutputError, VtuData, write_pvtu, write_vtu};
 use crate::plan::Plan;
 use crate::schemes::State;
 
@@ -32,7 +32,7 @@ impl Array<'_> {
     }
 }
 
-/// Writes all fields of a state to `path`.
+/// Writes all fields of a state to `path`; of several processes each writes its own points.
 ///
 /// # Errors
 /// Those of [`write_vtu`].
@@ -42,6 +42,52 @@ pub fn write<const D: usize>(
     model: &Model<D>,
     state: &State,
 ) -> Result<(), OutputError> {
+    let mut arrays = arrays(plan, model, state);
+    let mut positions = model.cloud.flat_positions();
+    if let Some(partition) = model.share().partition() {
+        positions = of_points(&positions, D, partition.own());
+        for array in &mut arrays {
+            array.values = of_points(&array.values, array.components, partition.own()).into();
+        }
+    }
+    let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
+    let data = VtuData {
+        positions: &positions,
+        dimension: D,
+        time: state.time,
+        fields: &fields,
+    };
+    write_vtu(path, &data)
+}
+
+/// Writes the index of the pieces that all processes wrote.
+///
+/// # Errors
+/// Those of [`write_pvtu`].
+pub fn write_index<const D: usize>(
+    path: &Path,
+    plan: &Plan,
+    model: &Model<D>,
+    state: &State,
+    pieces: &[String],
+) -> Result<(), OutputError> {
+    let arrays = arrays(plan, model, state);
+    let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
+    write_pvtu(path, &fields, pieces)
+}
+
+/// Values of some points, `per_point` each.
+fn of_points(values: &[f64], per_point: usize, points: &[u32]) -> Vec<f64> {
+    let own = |point: &u32| &values[*point as usize * per_point..][..per_point];
+    points.iter().flat_map(own).copied().collect()
+}
+
+/// All fields that the scene names.
+fn arrays<'a, const D: usize>(
+    plan: &Plan,
+    model: &'a Model<D>,
+    state: &'a State,
+) -> Vec<Array<'a>> {
     let mut arrays = Vec::new();
     if let Some(flow) = &model.flow {
         arrays.extend(of_flow(model, flow, state));
@@ -54,14 +100,7 @@ pub fn write<const D: usize>(
     let material: Vec<f64> = model.material.iter().map(|&m| f64::from(m)).collect();
     arrays.push(array("volume", "m^D", 1, &model.cloud.volume[..]));
     arrays.push(array("material_id", "", 1, material));
-    let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
-    let data = VtuData {
-        positions: &model.cloud.flat_positions(),
-        dimension: D,
-        time: state.time,
-        fields: &fields,
-    };
-    write_vtu(path, &data)
+    arrays
 }
 
 fn array<'a>(

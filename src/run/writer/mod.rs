@@ -27,6 +27,8 @@ pub struct Writer {
     profiles: Option<Profiles>,
     outputs: usize,
     next_row: f64,
+    /// Whether this is the process that writes what there is once.
+    leads: bool,
 }
 
 /// At most this many rows of history, whatever the number of steps.
@@ -45,6 +47,14 @@ impl Writer {
             folder::write_mark(folder, resolved)?;
         }
         Ok(Writer {
+            leads: true,
+            ..Self::follow(folder, resolved)
+        })
+    }
+
+    /// The writer of a further process of a run, which adds its piece of the fields only.
+    pub fn follow(folder: &Path, resolved: &str) -> Self {
+        Writer {
             folder: folder.to_owned(),
             resolved: resolved.to_owned(),
             pvd: None,
@@ -53,7 +63,8 @@ impl Writer {
             profiles: None,
             outputs: 0,
             next_row: f64::NEG_INFINITY,
-        })
+            leads: false,
+        }
     }
 
     /// Folder of the run.
@@ -66,6 +77,9 @@ impl Writer {
     /// # Errors
     /// [`OutputError`].
     pub fn start_history<const D: usize>(&mut self, plan: &Plan) -> Result<(), OutputError> {
+        if !self.leads {
+            return Ok(());
+        }
         folder::clear(&self.folder)?;
         folder::write_mark(&self.folder, &self.resolved)?;
         self.rows.columns = super::columns::names::<D>(plan);
@@ -88,7 +102,8 @@ impl Writer {
         iterations: usize,
         balance: &Balance,
     ) -> Result<(), OutputError> {
-        if state.time < self.next_row && state.time < plan.time.end {
+        let skipped = state.time < self.next_row && state.time < plan.time.end;
+        if skipped || !self.leads {
             return Ok(());
         }
         self.next_row = state.time + plan.time.end / MOST_ROWS;
@@ -100,7 +115,27 @@ impl Writer {
         Ok(())
     }
 
-    /// Writes the fields as VTU and PNG, and along the profiles.
+    /// Writes the points of this process as VTU.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn piece<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        state: &State,
+    ) -> Result<(), OutputError> {
+        let number = self.outputs;
+        self.outputs += 1;
+        if !plan.output.vtu {
+            return Ok(());
+        }
+        let rank = model.share().partition().map(|own| own.team().rank());
+        let path = self.folder.join(piece_name(number, rank));
+        fields::write(&path, plan, model, state)
+    }
+
+    /// Completes an output of which all pieces are there: indices, pictures and profiles.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -110,11 +145,22 @@ impl Writer {
         model: &Model<D>,
         state: &State,
     ) -> Result<(), OutputError> {
-        let number = self.outputs;
-        self.outputs += 1;
+        if !self.leads {
+            return Ok(());
+        }
+        let number = self.outputs - 1;
         if plan.output.vtu {
-            let path = self.folder.join(format!("fields-{number:04}.vtu"));
-            fields::write(&path, plan, model, state)?;
+            let path = match model.share().partition() {
+                None => self.folder.join(piece_name(number, None)),
+                Some(partition) => {
+                    let ranks = 0..partition.team().size();
+                    let pieces: Vec<String> =
+                        ranks.map(|rank| piece_name(number, Some(rank))).collect();
+                    let path = self.folder.join(format!("fields-{number:04}.pvtu"));
+                    fields::write_index(&path, plan, model, state, &pieces)?;
+                    path
+                }
+            };
             let pvd = match &mut self.pvd {
                 Some(pvd) => pvd,
                 None => self
@@ -142,7 +188,7 @@ impl Writer {
         model: &Model<D>,
         _state: &State,
     ) -> Result<(), OutputError> {
-        if !plan.output.plots {
+        if !plan.output.plots || !self.leads {
             return Ok(());
         }
         if let Some(profiles) = &self.profiles {
@@ -157,7 +203,18 @@ impl Writer {
     /// # Errors
     /// [`OutputError`].
     pub fn summary(&self, summary: &Summary) -> Result<(), OutputError> {
+        if !self.leads {
+            return Ok(());
+        }
         write_json(self.folder.join("summary.json"), summary)
+    }
+}
+
+/// Name of the fields of one output, or of the piece of one process.
+fn piece_name(number: usize, rank: Option<usize>) -> String {
+    match rank {
+        None => format!("fields-{number:04}.vtu"),
+        Some(rank) => format!("fields-{number:04}-{rank}.vtu"),
     }
 }
 

@@ -133,10 +133,7 @@ fn outputs(plan: &Plan) -> usize {
 }
 
 fn places<const D: usize>(profile: &Profile) -> Vec<Vector<D>> {
-    let (from, to) = (vector::<D>(&profile.from), vector::<D>(&profile.to));
-    let intervals = profile.points.max(2) - 1;
-    let at = |k: usize| from + (to - from) * (k as f64 / intervals as f64);
-    (0..profile.points).map(at).collect()
+    profile.places().iter().map(|place| vector(place)).collect()
 }
 
 /// All fields at the places; exact values are gaps where there is no time to compare at.
