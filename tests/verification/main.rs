@@ -12,5 +12,6 @@ mod mechanics;
 mod operators;
 mod patch;
 mod poroelastic;
+mod shares;
 mod theis;
 mod two_layer;
