@@ -7,8 +7,8 @@
 
 use std::cell::Cell;
 use std::mem::ManuallyDrop;
+use std::sync::OnceLock;
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::PetscError;
 use crate::session::{Session, Start};
@@ -22,8 +22,6 @@ struct Office {
 }
 
 static OFFICE: OnceLock<Result<Office, PetscError>> = OnceLock::new();
-/// Whether PETSc was shut down.
-static FINISHED: Mutex<bool> = Mutex::new(false);
 
 thread_local! {
     /// The session, on the thread that owns it.
@@ -40,9 +38,6 @@ pub fn run<R: Send>(work: impl FnOnce(&'static Session) -> R + Send) -> Result<R
         return Ok(work(session));
     }
     let office = OFFICE.get_or_init(open).as_ref().map_err(Clone::clone)?;
-    if *FINISHED.lock().unwrap_or_else(PoisonError::into_inner) {
-        return Err(PetscError::Finished);
-    }
     hand_over(office, work)
 }
 
@@ -52,8 +47,7 @@ pub fn finish() {
     let Some(Ok(office)) = OFFICE.get() else {
         return;
     };
-    let mut finished = FINISHED.lock().unwrap_or_else(PoisonError::into_inner);
-    if SESSION.get().is_some() || std::mem::replace(&mut *finished, true) {
+    if SESSION.get().is_some() {
         return;
     }
     // Nobody is left to tell of an error.
@@ -74,7 +68,10 @@ fn open() -> Result<Office, PetscError> {
         SESSION.set(Some(session));
         let _ = report.send(Ok(()));
         for job in queue {
-            job(session);
+            // After the end of PETSc, work is dropped unread: whoever waits for it is told so.
+            if session.alive() {
+                job(session);
+            }
         }
     };
     let thread = std::thread::Builder::new().name("petsc".into());
@@ -101,9 +98,8 @@ fn hand_over<'a, R: Send + 'a>(
     // returns, and that is after the closure ran or was dropped: either its answer arrives or the
     // sender it owns is gone.
     let task: Job = unsafe { std::mem::transmute(task) };
-    let gone = || PetscError::Start("its thread ended".into());
-    office.jobs.send(task).map_err(|_| gone())?;
-    match answered.recv().map_err(|_| gone())? {
+    office.jobs.send(task).map_err(|_| PetscError::Finished)?;
+    match answered.recv().map_err(|_| PetscError::Finished)? {
         Ok(result) => Ok(result),
         Err(panic) => std::panic::resume_unwind(panic),
     }
