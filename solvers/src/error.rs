@@ -149,6 +149,53 @@ pub enum SolveError {
         /// Which limit was met.
         reason: String,
     },
+    /// The library behind the backend is missing or cannot be used.
+    #[error("solver `{solver}` cannot be used here: {reason}")]
+    Unavailable {
+        /// Name of the backend.
+        solver: &'static str,
+        /// What is missing and how to get it.
+        reason: String,
+    },
+    /// The library behind the backend reports an error.
+    #[error("solver `{solver}`: {message}; check its options `{options}`")]
+    External {
+        /// Name of the backend.
+        solver: &'static str,
+        /// What the library says.
+        message: String,
+        /// Options in use.
+        options: String,
+    },
+    /// Flags that the methods chosen do not read.
+    #[error(
+        "solver `{solver}`: nothing reads {flags}; check the spelling, and whether the methods \
+         chosen have such an option"
+    )]
+    UnusedFlags {
+        /// Name of the backend.
+        solver: &'static str,
+        /// The flags, as typed.
+        flags: String,
+    },
+    /// The preconditioner or factorisation of an external library failed.
+    #[error("solver `{solver}`: {stage} failed: {reason}; {advice}")]
+    Failed {
+        /// Name of the backend.
+        solver: &'static str,
+        /// What was being done.
+        stage: &'static str,
+        /// Why it failed.
+        reason: String,
+        /// Remedy.
+        advice: &'static str,
+    },
+    /// Another process of the team met an error.
+    #[error("process {process} met an error, so this one stops too; see its message")]
+    OtherProcess {
+        /// Number of that process.
+        process: usize,
+    },
 }
 
 /// A solver specification that cannot be understood.

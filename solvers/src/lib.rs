@@ -26,10 +26,12 @@ mod faer_llt;
 mod matrix;
 mod ordering;
 mod partition;
+mod petsc;
 mod preconditioner;
 mod problem;
 mod registry;
 mod report;
+mod share;
 mod spec;
 mod system;
 mod team;
@@ -42,6 +44,10 @@ pub use error::{SolveError, SpecError};
 pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
 pub use ordering::{Permutation, nested_dissection};
 pub use partition::Partition;
+
+pub use petsc::{
+    PetscStatus, abort as petsc_abort, finish as petsc_finish, petsc_status, petsc_team,
+};
 pub use problem::{Coordinates, NearNullspace, Problem, Symmetry};
 pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
 pub use report::{FactorPrediction, SolveReport, SolverCounters};

@@ -119,7 +119,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Root of the sum of squares, rescaled where the squares leave the range of numbers.
-fn ordered_norm(length: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+pub(crate) fn ordered_norm(length: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     let square = ordered_sum(length, |i| term(i).powi(2));
     if square.is_nan() || (1e-280..1e280).contains(&square) {
         return square.sqrt();
@@ -137,23 +137,27 @@ pub fn norm2(a: &[f64]) -> f64 {
     ordered_norm(a.len(), |i| a[i])
 }
 
-/// Euclidean norm of the products `weight[i] · a[i]`, summed in a fixed order.
-pub(crate) fn weighted_norm2(weight: &[f64], a: &[f64]) -> f64 {
-    ordered_norm(a.len(), |i| weight[i] * a[i])
-}
-
 /// Size of the rounding errors no solution can go below: ε ‖ |A||x| + |b| ‖₂ / ‖b‖₂.
 pub(crate) fn rounding_floor(matrix: CsrView<'_>, x: &[f64], b: &[f64]) -> f64 {
-    let rows = Rows::new(&matrix);
-    let size = ordered_norm(b.len(), |row| {
+    let size = ordered_norm(b.len(), rounding_sizes(&matrix, x, b));
+    f64::EPSILON * size / norm2(b)
+}
+
+/// Entries of |A||x| + |b| by row.
+pub(crate) fn rounding_sizes<'a>(
+    matrix: &'a CsrView<'_>,
+    x: &'a [f64],
+    b: &'a [f64],
+) -> impl Fn(usize) -> f64 + Sync + 'a {
+    let rows = Rows::new(matrix);
+    move |row| {
         let (columns, values) = rows.row(row);
         let terms = columns
             .iter()
             .zip(values)
             .map(|(j, value)| (value * x[*j as usize]).abs());
         terms.sum::<f64>() + b[row].abs()
-    });
-    f64::EPSILON * size / norm2(b)
+    }
 }
 
 /// Whether |a_ij − a_ji| ≤ `tolerance` · max|a| for every stored entry; entries not stored are 0.
@@ -177,8 +181,11 @@ pub fn is_symmetric(matrix: CsrView<'_>, tolerance: f64) -> bool {
             .all(row_is_symmetric)
 }
 
-/// Refuses rows with NaN or infinity, and rows of zeros.
-pub(crate) fn check_rows(matrix: CsrView<'_>) -> Result<(), SolveError> {
+/// Refuses rows with NaN or infinity, and rows of zeros. Rows of other processes are not looked at.
+pub(crate) fn check_rows(
+    matrix: CsrView<'_>,
+    owns: impl Fn(usize) -> bool + Sync,
+) -> Result<(), SolveError> {
     let rows = Rows::new(&matrix);
     let check = |row: usize| -> Option<SolveError> {
         let (_, values) = rows.row(row);
@@ -195,6 +202,7 @@ pub(crate) fn check_rows(matrix: CsrView<'_>) -> Result<(), SolveError> {
     let fault = (0..matrix.rows())
         .into_par_iter()
         .with_min_len(ROWS_PER_TASK)
+        .filter(|row| owns(*row))
         .find_map_first(check);
     fault.map_or(Ok(()), Err)
 }

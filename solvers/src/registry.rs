@@ -1,7 +1,7 @@
 //! The table of backends and the options they accept.
 
 use crate::problem::Symmetry;
-use crate::{LinearSolver, SpecError, auto, faer_cg, faer_ldlt, faer_llt};
+use crate::{LinearSolver, SpecError, auto, faer_cg, faer_ldlt, faer_llt, petsc};
 
 /// Every backend that can be chosen by name.
 pub const BACKENDS: &[Backend] = &[
@@ -9,6 +9,7 @@ pub const BACKENDS: &[Backend] = &[
     faer_llt::BACKEND,
     faer_ldlt::BACKEND,
     faer_cg::BACKEND,
+    petsc::BACKEND,
 ];
 
 /// A solver that can be chosen by name.
@@ -48,6 +49,9 @@ pub enum OptionValue {
     Positive,
     /// A positive whole number.
     Count,
+    /// Flags of another program: all that stands behind the name of the backend, as it is. A
+    /// backend with such an option has no other.
+    Flags,
 }
 
 impl OptionValue {
@@ -58,6 +62,7 @@ impl OptionValue {
             Self::OneOf(words) => words.join(", "),
             Self::Positive => "a positive number".into(),
             Self::Count => "a positive whole number".into(),
+            Self::Flags => "flags that begin with `-`".into(),
         }
     }
 
@@ -68,13 +73,14 @@ impl OptionValue {
                 .parse()
                 .is_ok_and(|value: f64| value > 0.0 && value.is_finite()),
             Self::Count => text.parse().is_ok_and(|value: usize| value > 0),
+            Self::Flags => text.is_empty() || text.starts_with('-'),
         }
     }
 
     fn suggestion(&self, text: &str) -> String {
         match self {
             Self::OneOf(words) => suggest(text, words),
-            Self::Positive | Self::Count => String::new(),
+            Self::Positive | Self::Count | Self::Flags => String::new(),
         }
     }
 }
@@ -94,6 +100,13 @@ impl Backend {
                 suggestion: suggest(name, &names),
                 valid: names.join(", "),
             })
+    }
+
+    /// The option that takes the whole text behind the name, if there is one.
+    #[must_use]
+    pub fn flags(&self) -> Option<&'static OptionSpec> {
+        let mut options = self.options.iter();
+        options.find(|option| matches!(option.value, OptionValue::Flags))
     }
 
     /// Checks the name and value of an option.

@@ -1,4 +1,5 @@
-//! The text that chooses a solver: `NAME[:key=value,key=value]`.
+//! The text that chooses a solver: `NAME[:key=value,key=value]`, or `NAME:-flag value …` for a
+//! backend that passes flags on.
 
 use std::fmt;
 use std::str::FromStr;
@@ -38,6 +39,23 @@ impl SolverSpec {
     pub fn build(&self) -> Result<Box<dyn LinearSolver>, SpecError> {
         let backend = Backend::find(&self.name)?;
         (backend.build)(&Options::new(backend, &self.options))
+    }
+
+    /// Takes text that the backend passes on as it is.
+    fn set_flags(&mut self, backend: &'static Backend, text: &str) -> Result<(), SpecError> {
+        let Some(option) = backend.flags() else {
+            return Ok(());
+        };
+        let text = text.trim();
+        backend.check_option(option.key, text)?;
+        if text.is_empty() {
+            return Err(SpecError::Malformed {
+                text: format!("{}:", backend.name),
+                reason: "there are no flags",
+            });
+        }
+        self.options.push((option.key.into(), text.into()));
+        Ok(())
     }
 
     fn push_option(&mut self, backend: &Backend, text: &str) -> Result<(), SpecError> {
@@ -80,6 +98,10 @@ impl FromStr for SolverSpec {
             name: backend.name.into(),
             options: Vec::new(),
         };
+        if let (Some(_), Some(text)) = (backend.flags(), options) {
+            spec.set_flags(backend, text)?;
+            return Ok(spec);
+        }
         for option in options.into_iter().flat_map(|options| options.split(',')) {
             spec.push_option(backend, option)?;
         }
@@ -105,6 +127,10 @@ impl From<SolverSpec> for String {
 impl fmt::Display for SolverSpec {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&self.name)?;
+        let flags = Backend::find(&self.name).ok().and_then(Backend::flags);
+        if let (Some(_), [(_, text)]) = (flags, &self.options[..]) {
+            return write!(formatter, ":{text}");
+        }
         for (index, (key, value)) in self.options.iter().enumerate() {
             let separator = if index == 0 { ':' } else { ',' };
             write!(formatter, "{separator}{key}={value}")?;
@@ -138,6 +164,18 @@ mod tests {
             "faer-cg:max_iterations=7,tolerance=1e-9"
         );
         assert_eq!(SolverSpec::default().to_string(), "auto");
+    }
+
+    #[test]
+    fn flags_are_passed_on_as_they_are() {
+        let text = "petsc:-ksp_type cg -pc_type hypre -a b,c=d:e";
+        let spec: SolverSpec = text.replacen(':', ": ", 1).parse().unwrap();
+        assert_eq!(spec.to_string(), text);
+        assert_eq!(spec.options()[0].1, text["petsc:".len()..]);
+        assert_eq!(spec, text.parse().unwrap());
+        let missing = error("petsc:ksp_type=cg").to_string();
+        assert!(missing.contains("flags that begin with `-`"), "{missing}");
+        assert!(matches!(error("petsc: "), SpecError::Malformed { .. }));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! What every backend does alike: order of the stages, checks of the input, residuals.
 
-use crate::matrix::{self, Fingerprint, weighted_norm2};
+use crate::matrix::{self, Fingerprint};
 use crate::problem::{Problem, Symmetry};
-use crate::{CsrView, SolveError, SolveReport, norm2};
+use crate::share::Share;
+use crate::{CsrView, SolveError, SolveReport};
 
 /// Relative residual above which no solution is handed out, whatever limits the arithmetic.
 pub(crate) const ACCEPTED_RESIDUAL: f64 = 1e-8;
@@ -12,6 +13,7 @@ pub(crate) const ACCEPTED_RESIDUAL: f64 = 1e-8;
 pub(crate) struct System {
     solver: &'static str,
     pattern: Option<Fingerprint>,
+    share: Share,
     ready: bool,
     diagonal: Vec<f64>,
     inverse_diagonal: Vec<f64>,
@@ -46,6 +48,7 @@ impl System {
         Self {
             solver,
             pattern: None,
+            share: Share::default(),
             ready: false,
             diagonal: Vec::new(),
             inverse_diagonal: Vec::new(),
@@ -74,6 +77,7 @@ impl System {
             });
         }
         self.pattern = Some(Fingerprint::of(problem.pattern));
+        self.share = Share::of(problem);
         self.residual = vec![0.0; problem.unknowns()];
         Ok(())
     }
@@ -84,11 +88,9 @@ impl System {
         let Some(expected) = self.pattern else {
             return self.missing("analyse");
         };
-        if matrix.nnz() != expected.nonzeros || Fingerprint::of(matrix) != expected {
-            let (expected, found) = (expected.nonzeros, matrix.nnz());
-            return Err(SolveError::PatternChanged { expected, found });
-        }
-        matrix::check_rows(matrix)?;
+        let values = || matrix::check_rows(matrix, |row| self.share.owns(row));
+        let checked = same_pattern(matrix, expected).and_then(|()| values());
+        self.share.agree(checked)?;
         self.diagonal = matrix::diagonal(matrix);
         let invert = |value: &f64| if value.abs() > 0.0 { 1.0 / value } else { 1.0 };
         self.inverse_diagonal = self.diagonal.iter().map(invert).collect();
@@ -107,13 +109,14 @@ impl System {
 
     /// The diagonal must be positive for a positive definite matrix.
     pub(crate) fn check_diagonal(&self) -> Result<(), SolveError> {
-        let fault = self.diagonal.iter().position(|value| *value <= 0.0);
-        fault.map_or(Ok(()), |row| {
+        let negative = |row: &usize| self.share.owns(*row) && self.diagonal[*row] <= 0.0;
+        let fault = (0..self.diagonal.len()).find(negative);
+        self.share.agree(fault.map_or(Ok(()), |row| {
             Err(SolveError::NotPositiveDefinite {
                 row,
                 diagonal: self.diagonal[row],
             })
-        })
+        }))
     }
 
     /// Inverse of the diagonal, 1 where the diagonal is 0.
@@ -150,22 +153,50 @@ impl System {
                 });
             }
         }
-        matrix::check_vector("the right-hand side", rhs)
+        self.check_vector("the right-hand side", rhs)
+    }
+
+    /// Refuses NaN and infinity in a vector.
+    pub(crate) fn check_vector(
+        &self,
+        what: &'static str,
+        vector: &[f64],
+    ) -> Result<(), SolveError> {
+        self.share.agree(matrix::check_vector(what, vector))
+    }
+
+    /// Norm of the last residual measured.
+    pub(crate) fn residual_norm(&self) -> f64 {
+        self.share
+            .norm(self.residual.len(), |row| self.residual[row])
+    }
+
+    /// Size of the rounding errors no solution can go below, see [`matrix::rounding_floor`].
+    pub(crate) fn rounding_floor(&self, matrix: CsrView<'_>, x: &[f64], rhs: &[f64]) -> f64 {
+        let sizes = matrix::rounding_sizes(&matrix, x, rhs);
+        let size = self.share.norm(rhs.len(), sizes);
+        f64::EPSILON * size / self.share.norm(rhs.len(), |row| rhs[row])
     }
 
     /// Computes the residual of `x` afresh and keeps it.
     pub(crate) fn measure(&mut self, matrix: CsrView<'_>, x: &[f64], rhs: &[f64]) -> Residuals {
-        let size = norm2(rhs);
+        let norm = |weight: &[f64], vector: &[f64]| {
+            let rows = vector.len();
+            if weight.is_empty() {
+                return self.share.norm(rows, |row| vector[row]);
+            }
+            self.share.norm(rows, |row| weight[row] * vector[row])
+        };
+        let size = norm(&[], rhs);
         if size <= 0.0 {
             self.residual.fill(0.0);
             return Residuals::ZERO;
         }
         matrix::residual(matrix, x, rhs, &mut self.residual);
         let weight = &self.inverse_diagonal;
-        let scaled_size = weighted_norm2(weight, rhs);
         Residuals {
-            plain: norm2(&self.residual) / size,
-            scaled: weighted_norm2(weight, &self.residual) / scaled_size,
+            plain: norm(&[], &self.residual) / size,
+            scaled: norm(weight, &self.residual) / norm(weight, rhs),
         }
     }
 
@@ -175,6 +206,14 @@ impl System {
             missing: stage,
         })
     }
+}
+
+fn same_pattern(matrix: CsrView<'_>, expected: Fingerprint) -> Result<(), SolveError> {
+    if matrix.nnz() == expected.nonzeros && Fingerprint::of(matrix) == expected {
+        return Ok(());
+    }
+    let (expected, found) = (expected.nonzeros, matrix.nnz());
+    Err(SolveError::PatternChanged { expected, found })
 }
 
 /// Where a refused system can go.

@@ -1,0 +1,253 @@
+//! The objects of PETSc behind one solver. They live on the thread of PETSc.
+
+use perifrac_petsc_sys::{
+    FactorSize, Failure, IndexSet, Kind, Matrix, PetscError, Rows, Session, Solver, Vector, run,
+};
+
+use super::layout::{Layout, Pattern};
+use super::options::{Flags, Nature, knows_true_residual};
+use super::outcome::petsc_error;
+use crate::SolveError;
+use crate::problem::{Problem, Symmetry};
+
+/// Aggregates of an earlier matrix are kept until convergence slows down by this factor.
+const SLOWER: f64 = 1.5;
+
+/// Runs work on the thread of PETSc.
+pub(crate) fn on_thread<R: Send>(
+    flags: &Flags,
+    work: impl FnOnce(&'static Session) -> Result<R, PetscError> + Send,
+) -> Result<R, SolveError> {
+    run(work)
+        .and_then(|result| result)
+        .map_err(|error| petsc_error(error, flags))
+}
+
+/// Matrix, vectors and method.
+pub(crate) struct Engine {
+    matrix: Matrix,
+    solver: Solver,
+    rhs: Vector,
+    x: Vector,
+    direct: bool,
+    /// Whether unused flags have been looked for.
+    checked: bool,
+    aggregates: Aggregates,
+}
+
+/// Whether `gamg` may keep its aggregates.
+struct Aggregates {
+    /// The user decides by a flag.
+    by_user: bool,
+    /// They stem from an earlier matrix.
+    kept: bool,
+    /// Iterations per decade with fresh aggregates, and in the last solve.
+    fresh: Option<f64>,
+    last: f64,
+}
+
+/// How a set-up ended.
+pub(crate) struct SetUp {
+    pub(crate) failure: Option<Failure>,
+    pub(crate) factor: Option<FactorSize>,
+    pub(crate) direct: bool,
+    /// Flags that nothing reads.
+    pub(crate) missed: Vec<String>,
+}
+
+/// How a solve ended.
+pub(crate) struct Solved {
+    pub(crate) iterations: usize,
+    pub(crate) failure: Option<Failure>,
+    /// The preconditioner was set up anew on the way.
+    pub(crate) rebuilt: bool,
+}
+
+impl Engine {
+    pub(crate) fn new(
+        session: &'static Session,
+        flags: &Flags,
+        problem: &Problem<'_>,
+        layout: &Layout,
+        pattern: &Pattern,
+    ) -> Result<Self, PetscError> {
+        let processes = check_team(session, problem)?;
+        let nature = Nature::of(problem, processes, &session.info().packages);
+        let comm = layout.comm();
+        let rows = Rows {
+            starts: &pattern.starts,
+            columns: &pattern.columns,
+            size: layout.size(),
+            block: layout.per_point(),
+        };
+        let mut matrix = Matrix::new(session, comm, &rows, kind(problem.symmetry))?;
+        let mut solver = Solver::new(session, comm, &flags.defaults(&nature), &flags.text)?;
+        solver.set_matrix(&matrix)?;
+        if nature.rigid_modes {
+            matrix.set_rigid_modes(&coordinates(session, problem, layout)?)?;
+        }
+        if nature.blocks && wants_blocks(flags, &nature) {
+            add_blocks(session, &mut solver, problem, layout)?;
+        }
+        solver.configure()?;
+        let method = solver.method()?;
+        if knows_true_residual(&method) && !flags.has("-ksp_norm_type") {
+            solver.use_true_residual()?;
+        }
+        let factorises = ["lu", "cholesky"].contains(&solver.preconditioner()?.as_str());
+        Ok(Self {
+            matrix,
+            solver,
+            rhs: Vector::new(session, comm, layout.rows(), layout.per_point())?,
+            x: Vector::new(session, comm, layout.rows(), layout.per_point())?,
+            direct: method == "preonly" && factorises,
+            checked: false,
+            aggregates: Aggregates {
+                by_user: flags.has("-pc_gamg_reuse_interpolation"),
+                kept: false,
+                fresh: None,
+                last: 0.0,
+            },
+        })
+    }
+
+    /// Whether the solution is that of a factorisation.
+    pub(crate) fn is_direct(&self) -> bool {
+        self.direct
+    }
+
+    /// Takes new values and sets up for them.
+    pub(crate) fn refresh(&mut self, flags: &Flags, values: &[f64]) -> Result<SetUp, PetscError> {
+        self.matrix.set_values(values)?;
+        let aggregates = &mut self.aggregates;
+        if !aggregates.by_user {
+            let good = |fresh: f64| aggregates.last <= SLOWER * fresh;
+            aggregates.kept = aggregates.fresh.is_some_and(good);
+            if !aggregates.kept {
+                aggregates.fresh = None;
+            }
+            self.solver.keep_aggregates(aggregates.kept)?;
+        }
+        let failure = self.solver.set_up()?;
+        let mut missed = Vec::new();
+        if !self.checked {
+            self.checked = true;
+            missed = flags.missed(&self.solver.unused_flags()?);
+        }
+        let factor = match failure {
+            None => self.solver.factor_size()?,
+            Some(_) => None,
+        };
+        Ok(SetUp {
+            failure,
+            factor,
+            direct: self.direct,
+            missed,
+        })
+    }
+
+    /// Solves for one right-hand side of norm 1 to a relative residual. Where kept aggregates
+    /// fail, they are made anew.
+    pub(crate) fn solve(
+        &mut self,
+        _session: &Session,
+        aim: f64,
+        rhs: &[f64],
+        x: &mut [f64],
+    ) -> Result<Solved, PetscError> {
+        self.rhs.set(rhs)?;
+        self.solver.set_tolerance(aim)?;
+        let mut outcome = self.solver.solve(&self.rhs, &mut self.x)?;
+        let mut iterations = outcome.iterations;
+        let rebuilt = outcome.failure.is_some() && self.aggregates.kept;
+        if rebuilt {
+            self.aggregates.kept = false;
+            self.aggregates.fresh = None;
+            self.solver.keep_aggregates(false)?;
+            self.solver.reset()?;
+            self.solver.set_up()?;
+            outcome = self.solver.solve(&self.rhs, &mut self.x)?;
+            iterations += outcome.iterations;
+        }
+        self.aggregates.note(outcome.iterations, aim);
+        self.x.get(x)?;
+        Ok(Solved {
+            iterations,
+            failure: outcome.failure,
+            rebuilt,
+        })
+    }
+}
+
+impl Aggregates {
+    fn note(&mut self, iterations: usize, aim: f64) {
+        self.last = iterations as f64 / -aim.log10();
+        self.fresh.get_or_insert(self.last);
+    }
+}
+
+/// Number of processes that hold the problem.
+fn check_team(session: &Session, problem: &Problem<'_>) -> Result<usize, PetscError> {
+    let Some(partition) = problem.partition else {
+        return Ok(1);
+    };
+    let (info, team) = (session.info(), partition.team());
+    if (info.rank, info.size) == (team.rank(), team.size()) {
+        return Ok(info.size);
+    }
+    Err(PetscError::Input(format!(
+        "the partition is for process {} of {}, but MPI says {} of {}",
+        team.rank(),
+        team.size(),
+        info.rank,
+        info.size
+    )))
+}
+
+fn kind(symmetry: Symmetry) -> Kind {
+    match symmetry {
+        Symmetry::PositiveDefinite => Kind::PositiveDefinite,
+        Symmetry::QuasiDefinite | Symmetry::Indefinite => Kind::Symmetric,
+        Symmetry::General => Kind::General,
+    }
+}
+
+/// Coordinates of the points of this process.
+fn coordinates(
+    session: &'static Session,
+    problem: &Problem<'_>,
+    layout: &Layout,
+) -> Result<Vector, PetscError> {
+    let (dimension, values) = problem
+        .coordinates
+        .map_or((1, &[][..]), |found| (found.dimension, found.values));
+    let own = layout.at_points(values, dimension);
+    let mut vector = Vector::new(session, layout.comm(), own.len(), dimension)?;
+    vector.set(&own)?;
+    Ok(vector)
+}
+
+fn wants_blocks(flags: &Flags, nature: &Nature) -> bool {
+    let defaults = flags.defaults(nature);
+    let default = defaults.iter().find(|(flag, _)| *flag == "-pc_type");
+    let chosen = flags
+        .value("-pc_type")
+        .or(default.map(|(_, value)| value.as_str()));
+    chosen == Some("fieldsplit")
+}
+
+/// Names the displacements `u` and the pressures `p`.
+fn add_blocks(
+    session: &'static Session,
+    solver: &mut Solver,
+    problem: &Problem<'_>,
+    layout: &Layout,
+) -> Result<(), PetscError> {
+    let dimension = layout.per_point() - 1;
+    let solid = layout.numbers(0..dimension);
+    let mut solid = IndexSet::new(session, layout.comm(), &solid, dimension)?;
+    solid.set_rigid_modes(&coordinates(session, problem, layout)?)?;
+    solver.add_block("u", &solid)?;
+    let fluid = layout.numbers(dimension..dimension + 1);
+    solver.add_block("p", &IndexSet::new(session, layout.comm(), &fluid, 1)?)
+}
