@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
-use perifrac::model::{FlowModel, Model};
+use perifrac::model::{FlowModel, Model, SolidModel};
 use perifrac::plan::{Plan, resolve};
 use perifrac::report::Timers;
 use perifrac::scene;
@@ -24,6 +24,33 @@ pub enum Physics {
     Elasticity,
     /// Displacement and pressure in one matrix.
     Monolithic,
+}
+
+impl Physics {
+    const ALL: [Physics; 5] = [
+        Physics::Flow,
+        Physics::TwoHops,
+        Physics::Bond,
+        Physics::Elasticity,
+        Physics::Monolithic,
+    ];
+
+    /// Name in tables and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Physics::Flow => "flow",
+            Physics::TwoHops => "flow-two-hops",
+            Physics::Bond => "flow-bond",
+            Physics::Elasticity => "elasticity",
+            Physics::Monolithic => "monolithic",
+        }
+    }
+
+    /// The physics of a name.
+    pub fn parse(name: &str) -> Result<Self> {
+        let found = Self::ALL.into_iter().find(|physics| physics.name() == name);
+        found.with_context(|| format!("no physics {name}"))
+    }
 }
 
 /// What the rock looks like.
@@ -49,6 +76,26 @@ impl Rock {
     }
 }
 
+impl Rock {
+    /// As an argument of a process.
+    pub fn text(self) -> String {
+        match self {
+            Rock::Intact => "intact".to_owned(),
+            Rock::Crack(factor) => format!("crack={factor:e}"),
+            Rock::Contrast(factor) => format!("contrast={factor:e}"),
+        }
+    }
+
+    /// From [`Rock::text`].
+    pub fn parse(text: &str) -> Result<Self> {
+        match text.split_once('=') {
+            Some(("crack", factor)) => Ok(Rock::Crack(factor.parse()?)),
+            Some(("contrast", factor)) => Ok(Rock::Contrast(factor.parse()?)),
+            _ => Ok(Rock::Intact),
+        }
+    }
+}
+
 /// A matrix with all that a solver may know of it.
 pub struct LinearSystem {
     /// The matrix.
@@ -57,6 +104,8 @@ pub struct LinearSystem {
     coordinates: Vec<f64>,
     unknowns_per_point: usize,
     schur_diagonal: Option<Vec<f64>>,
+    /// The solid, if its crack may grow.
+    solid: Option<SolidModel<2>>,
 }
 
 impl LinearSystem {
@@ -70,11 +119,17 @@ impl LinearSystem {
             coordinates,
             unknowns_per_point,
             schur_diagonal,
+            solid: None,
         };
         match physics {
             Physics::Elasticity => {
                 let solid = model.solid.context("a solid")?;
-                Ok(system(solid.stiffness, Symmetry::PositiveDefinite, 2, None))
+                let matrix = solid.stiffness.clone();
+                let own = system(matrix, Symmetry::PositiveDefinite, 2, None);
+                Ok(LinearSystem {
+                    solid: Some(solid),
+                    ..own
+                })
             }
             Physics::Monolithic => {
                 let mut block = BlockMatrix::new(&model)?;
@@ -106,6 +161,31 @@ impl LinearSystem {
         }
     }
 
+    /// Grows the crack at its right end by a tenth of its length in points of the lattice: 20 on 200².
+    pub fn grow(&mut self, step: usize) -> Result<()> {
+        let solid = self.solid.as_mut().context("a solid")?;
+        let start = 0.75 + 0.025 * step as f64;
+        for (point, x) in self.coordinates.chunks_exact(2).enumerate() {
+            if x[0] > start && x[0] < start + 0.025 && (x[1] - 0.5).abs() < 0.01 {
+                solid.elastic.degrade(point, 1e-6);
+            }
+        }
+        solid.refill();
+        self.matrix
+            .data_mut()
+            .copy_from_slice(solid.stiffness.data());
+        Ok(())
+    }
+
+    /// The forces of the scene's traction.
+    pub fn load(&self) -> Vec<f64> {
+        let mut force = vec![0.0; self.matrix.rows()];
+        if let Some(solid) = &self.solid {
+            solid.loads(0.0, &mut force);
+        }
+        force
+    }
+
     /// A right-hand side with a share of every mode: the product with a rough field.
     pub fn rhs(&self) -> Vec<f64> {
         let rough = |i: usize| 1.0 + (0.37 * i as f64).sin() + 1e-3 * i as f64;
@@ -121,7 +201,10 @@ const STEP: f64 = 10.0;
 
 /// The model of a system.
 pub fn model(physics: Physics, rock: Rock, cells: usize) -> Result<Model<2>> {
-    Ok(Model::build(&plan(physics, rock, cells)?, &mut Timers::default())?)
+    Ok(Model::build(
+        &plan(physics, rock, cells)?,
+        &mut Timers::default(),
+    )?)
 }
 
 fn plan(physics: Physics, rock: Rock, cells: usize) -> Result<Plan> {
@@ -145,13 +228,21 @@ fn scene_text(physics: Physics, rock: Rock, cells: usize) -> String {
             text += &material("crack", physics, factor, flow, band);
         }
         Rock::Contrast(factor) => {
-            let stiff = if physics == Physics::Elasticity { factor } else { 1.0 };
+            let stiff = if physics == Physics::Elasticity {
+                factor
+            } else {
+                1.0
+            };
             let half = "{ type = \"box\", min = [0.5, 0], max = [1, 1] }";
             text += &material("right", physics, stiff, factor, half);
         }
     }
     if flows {
-        let operator = if physics == Physics::Bond { "bond" } else { "correspondence" };
+        let operator = if physics == Physics::Bond {
+            "bond"
+        } else {
+            "correspondence"
+        };
         text += &format!("[fluid]\nviscosity = 1e-3\n[flow]\noperator = \"{operator}\"\n");
         if physics == Physics::TwoHops {
             text += "hourglass = 0.5\n";
@@ -174,7 +265,10 @@ fn material(name: &str, physics: Physics, stiff: f64, flow: f64, region: &str) -
         text += &format!("permeability = {:e}\nstorage = 1e-10\n", 1e-13 * flow);
     }
     if matches!(physics, Physics::Elasticity | Physics::Monolithic) {
-        text += &format!("youngs_modulus = {:e}\npoissons_ratio = 0.25\n", 1e10 * stiff);
+        text += &format!(
+            "youngs_modulus = {:e}\npoissons_ratio = 0.25\n",
+            1e10 * stiff
+        );
     }
     if physics == Physics::Monolithic {
         text += "biot_coefficient = 0.8\n";

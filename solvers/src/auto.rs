@@ -1,9 +1,6 @@
-//! Backend `auto`: chooses by size, stencil width and dimension, then hands over.
-//!
-//! The limits come from timings of wide-stencil matrices: a Cholesky factor with nested
-//! dissection wins up to some ten thousand unknowns in 2-D, later if rows are short and sooner
-//! in 3-D, where separators are surfaces.
+//! Backend `auto`: chooses by the estimated cost of a factor and of multigrid, then hands over.
 
+use crate::estimate::{Cost, Outline};
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, Options};
 use crate::{
@@ -11,16 +8,23 @@ use crate::{
 };
 
 const NAME: &str = "auto";
-/// Rows up to this many entries are those of one-hop stencils.
-const NARROW_ROW: f64 = 25.0;
-/// Above the direct limit, a stale factor pays up to this multiple of it.
-const STALE_RANGE: usize = 4;
+/// Entries of a factor beyond which its memory is not asked for: 12 GB of values.
+const LARGEST_FACTOR: f64 = 1.5e9;
+/// Unknowns up to which a system without symmetry is factored.
+const LARGEST_LU: usize = 10_000;
+/// Unknowns below which a factor costs next to nothing, whatever the estimates say.
+const SMALL: usize = 5_000;
 
 /// The entry of this backend in the table.
 pub(crate) const BACKEND: Backend = Backend {
     name: NAME,
-    summary: "chooses a backend from the size, the stencil and the dimension",
-    symmetries: &[Symmetry::PositiveDefinite, Symmetry::QuasiDefinite],
+    summary: "chooses a backend from size, stencil, symmetry, contrast, solves per matrix, processes",
+    symmetries: &[
+        Symmetry::PositiveDefinite,
+        Symmetry::QuasiDefinite,
+        Symmetry::Indefinite,
+        Symmetry::General,
+    ],
     options: &[],
     build,
 };
@@ -34,72 +38,72 @@ pub struct Choice {
     pub reason: String,
 }
 
-/// Chooses a backend for a problem.
-///
-/// # Errors
-/// [`SolveError::Refused`] for indefinite and general systems.
-pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
-    let (unknowns, width) = (problem.unknowns(), problem.entries_per_row());
-    let dimension = problem
-        .coordinates
-        .map_or(2, |coordinates| coordinates.dimension);
-    match problem.symmetry {
-        Symmetry::PositiveDefinite => choose_by_size(unknowns, width, dimension),
-        Symmetry::QuasiDefinite => choose_quasi_definite(unknowns, width),
-        symmetry @ (Symmetry::Indefinite | Symmetry::General) => Err(SolveError::Refused {
-            solver: NAME,
-            symmetry,
-            advice: "no backend solves it; write it as a quasi-definite system or split it into \
-                     positive definite ones (staggered)"
-                .into(),
-        }),
-    }
-}
-
-/// Chooses a backend for a quasi-definite system of which only the size is known.
-///
-/// # Errors
-/// None in practice: the specification chosen is valid.
-pub fn choose_quasi_definite(unknowns: usize, width: f64) -> Result<Choice, SolveError> {
-    let spec = "faer-ldlt"
-        .parse()
-        .map_err(|error: SpecError| invalid(&error))?;
-    let reason = format!(
-        "{unknowns} unknowns with {width:.0} entries a row, quasi-definite: LDLT needs no pivoting"
-    );
-    Ok(Choice { spec, reason })
-}
-
-/// Chooses a backend for a positive definite system of which only the size is known.
+/// Chooses a backend for a system of which only the outline is known.
 ///
 /// # Errors
 /// None in practice: the specifications chosen from are valid.
-pub fn choose_by_size(unknowns: usize, width: f64, dimension: usize) -> Result<Choice, SolveError> {
-    let limit = direct_limit(width, dimension);
-    let (text, comparison) = if unknowns <= limit {
-        ("faer-llt", format!("at most {limit}: a factor is cheapest"))
-    } else if unknowns <= STALE_RANGE * limit {
-        (
-            "faer-cg:preconditioner=stale",
-            format!("above {limit}: a kept factor is cheapest"),
-        )
-    } else {
-        (
-            "faer-cg:preconditioner=jacobi",
-            format!("far above {limit}: a factor is too large"),
-        )
+pub fn choose(outline: &Outline) -> Result<Choice, SolveError> {
+    let (text, reason) = match outline.symmetry {
+        _ if outline.processes > 1 => (
+            "petsc",
+            format!("{} processes share the matrix", outline.processes),
+        ),
+        Symmetry::PositiveDefinite => by_cost(outline, "faer-llt", "faer-cg:preconditioner=amg"),
+        Symmetry::QuasiDefinite => quasi_definite(outline),
+        Symmetry::Indefinite | Symmetry::General if outline.unknowns() <= LARGEST_LU => {
+            ("faer-lu", "no definite structure, and small".to_owned())
+        }
+        Symmetry::Indefinite | Symmetry::General => (
+            "gmres:preconditioner=ilu0",
+            "no definite structure, and too large for an unsymmetric factor".to_owned(),
+        ),
     };
     let spec = text.parse().map_err(|error: SpecError| invalid(&error))?;
-    let reason = format!("{unknowns} unknowns with {width:.0} entries a row, {comparison}");
+    let (unknowns, width) = (outline.unknowns(), outline.entries_per_row);
+    let reason = format!("{unknowns} unknowns with {width:.0} entries a row: {reason}");
     Ok(Choice { spec, reason })
 }
 
-fn direct_limit(width: f64, dimension: usize) -> usize {
-    match (width <= NARROW_ROW, dimension == 3) {
-        (true, false) => 150_000,
-        (false, false) => 50_000,
-        (true, true) => 40_000,
-        (false, true) => 15_000,
+/// The cheaper one of a factor and multigrid.
+fn by_cost(
+    outline: &Outline,
+    direct: &'static str,
+    multilevel: &'static str,
+) -> (&'static str, String) {
+    let entries = outline.factor().nonzeros;
+    if outline.unknowns() <= SMALL {
+        return (direct, "small, so a factor is cheapest".to_owned());
+    }
+    if entries > LARGEST_FACTOR {
+        let gigabytes = 8e-9 * entries;
+        return (multilevel, format!("a factor would take {gigabytes:.0} GB"));
+    }
+    let (factor, cycles) = (Cost::direct(outline), Cost::multilevel(outline));
+    let solves = outline.solves.max(1);
+    let (direct_s, cycles_s) = (factor.total(solves), cycles.total(solves));
+    let (text, word) = match direct_s <= cycles_s {
+        true => (direct, "a factor is cheaper"),
+        false => (multilevel, "multigrid is cheaper"),
+    };
+    let times = if solves == 1 { "solve" } else { "solves" };
+    let reason = format!(
+        "for {solves} {times} a matrix {word} (about {direct_s:.1e} s against {cycles_s:.1e} s)"
+    );
+    (text, reason)
+}
+
+/// LDLᵀ without pivoting, as long as its factor fits.
+fn quasi_definite(outline: &Outline) -> (&'static str, String) {
+    let gigabytes = 8e-9 * outline.factor().nonzeros;
+    match outline.factor().nonzeros <= LARGEST_FACTOR {
+        true => (
+            "faer-ldlt",
+            "quasi-definite, so LDLT needs no pivoting, and its factor fits".to_owned(),
+        ),
+        false => (
+            "fgmres:preconditioner=schur",
+            format!("quasi-definite, and a factor would take {gigabytes:.0} GB"),
+        ),
     }
 }
 
@@ -139,7 +143,7 @@ impl LinearSolver for Auto {
     fn analyse(&mut self, problem: &Problem<'_>) -> Result<(), SolveError> {
         self.chosen = None;
         problem.validate()?;
-        let mut solver = choose(problem)?
+        let mut solver = choose(&Outline::of(problem))?
             .spec
             .build()
             .map_err(|error| invalid(&error))?;
@@ -172,43 +176,80 @@ impl LinearSolver for Auto {
 mod tests {
     use super::*;
     use crate::test_support::{grid_laplacian, jittered_grid, noisy_vector, positive_definite};
-    use crate::{Coordinates, CsrMatrix};
 
-    /// A pattern of so many entries a row; only its sizes matter here.
-    fn pattern(rows: usize, width: usize) -> CsrMatrix {
-        let columns = (0..rows).flat_map(|row| {
-            let first = row.min(rows - width);
-            (first..first + width).map(|column| column as u32)
-        });
-        let starts = (0..=rows).map(|row| (row * width) as u32).collect();
-        CsrMatrix::new(
-            (rows, rows),
-            starts,
-            columns.collect(),
-            vec![1.0; rows * width],
-        )
+    fn outline(points: usize, unknowns_per_point: usize, solves: usize) -> Outline {
+        Outline {
+            symmetry: match unknowns_per_point {
+                3 => Symmetry::QuasiDefinite,
+                _ => Symmetry::PositiveDefinite,
+            },
+            points,
+            unknowns_per_point,
+            entries_per_row: 63.0 * unknowns_per_point as f64,
+            dimension: 2,
+            solves,
+            contrast: 1.0,
+            processes: 1,
+        }
     }
 
-    fn chosen(rows: usize, width: usize, dimension: usize) -> String {
-        let (pattern, values) = (pattern(rows, width), vec![0.0; rows * dimension]);
-        let coordinates = Some(Coordinates {
-            dimension,
-            values: &values,
-        });
-        let problem = Problem {
-            coordinates,
-            ..positive_definite(&pattern, None, 1)
-        };
-        choose(&problem).unwrap().spec.to_string()
+    fn chosen(outline: &Outline) -> String {
+        choose(outline).unwrap().spec.to_string()
     }
 
     #[test]
-    fn the_choice_follows_size_width_and_dimension() {
-        assert_eq!(chosen(40_000, 63, 2), "faer-llt");
-        assert_eq!(chosen(60_000, 63, 2), "faer-cg:preconditioner=stale");
-        assert_eq!(chosen(120_000, 21, 2), "faer-llt");
-        assert_eq!(chosen(40_000, 63, 3), "faer-cg:preconditioner=stale");
-        assert_eq!(chosen(300_000, 27, 2), "faer-cg:preconditioner=jacobi");
+    fn many_solves_with_one_matrix_pay_for_a_factor() {
+        let mut elasticity = outline(160_000, 2, 1);
+        assert_eq!(chosen(&elasticity), "faer-cg:preconditioner=amg");
+        elasticity.solves = 100;
+        assert_eq!(chosen(&elasticity), "faer-llt");
+        let reason = choose(&elasticity).unwrap().reason;
+        assert!(
+            reason.starts_with("320000 unknowns with 126 entries a row: for 100 solves a matrix"),
+            "{reason}"
+        );
+    }
+
+    #[test]
+    fn small_systems_are_factored_and_huge_factors_avoided() {
+        assert_eq!(chosen(&outline(4_000, 1, 1)), "faer-llt");
+        assert_eq!(
+            chosen(&outline(4_000_000, 2, 1000)),
+            "faer-cg:preconditioner=amg"
+        );
+        assert_eq!(chosen(&outline(40_000, 3, 1)), "faer-ldlt");
+        assert_eq!(
+            chosen(&outline(1_000_000, 3, 1)),
+            "fgmres:preconditioner=schur"
+        );
+    }
+
+    #[test]
+    fn in_space_multigrid_pays_sooner() {
+        let plane = outline(20_000, 1, 3);
+        let space = Outline {
+            dimension: 3,
+            entries_per_row: 170.0,
+            ..plane
+        };
+        assert_eq!(chosen(&plane), "faer-llt");
+        assert_eq!(chosen(&space), "faer-cg:preconditioner=amg");
+    }
+
+    #[test]
+    fn several_processes_and_other_symmetries_have_their_own() {
+        let shared = Outline {
+            processes: 2,
+            ..outline(100, 1, 1)
+        };
+        assert_eq!(chosen(&shared), "petsc");
+        let mut general = Outline {
+            symmetry: Symmetry::General,
+            ..outline(1_000, 1, 1)
+        };
+        assert_eq!(chosen(&general), "faer-lu");
+        general.points = 100_000;
+        assert_eq!(chosen(&general), "gmres:preconditioner=ilu0");
     }
 
     #[test]
@@ -227,37 +268,5 @@ mod tests {
             .unwrap();
         assert!(report.true_residual < 1e-13);
         assert_eq!((solver.name(), solver.counters().solves), ("faer-llt", 1));
-    }
-
-    #[test]
-    fn a_quasi_definite_system_gets_a_factor_with_diagonal_pivots() {
-        let a = grid_laplacian(4, 4, 0.0);
-        let problem = Problem {
-            symmetry: Symmetry::QuasiDefinite,
-            ..positive_definite(&a, None, 1)
-        };
-        let choice = choose(&problem).unwrap();
-        assert_eq!(choice.spec.to_string(), "faer-ldlt");
-        assert_eq!(
-            choice.reason,
-            "16 unknowns with 4 entries a row, quasi-definite: LDLT needs no pivoting"
-        );
-    }
-
-    #[test]
-    fn other_symmetries_are_refused_with_advice() {
-        let a = grid_laplacian(4, 4, 0.0);
-        for symmetry in [Symmetry::Indefinite, Symmetry::General] {
-            let problem = Problem {
-                symmetry,
-                ..positive_definite(&a, None, 1)
-            };
-            let error = SolverSpec::default()
-                .build()
-                .unwrap()
-                .analyse(&problem)
-                .unwrap_err();
-            assert!(matches!(error, SolveError::Refused { symmetry: s, .. } if s == symmetry));
-        }
     }
 }

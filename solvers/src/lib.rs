@@ -19,6 +19,7 @@ mod auto;
 mod cholesky;
 mod direct;
 mod error;
+mod estimate;
 mod faer_adapter;
 mod faer_cg;
 mod faer_ldlt;
@@ -38,9 +39,10 @@ mod team;
 #[cfg(test)]
 mod test_support;
 
-pub use auto::{Choice, choose, choose_by_size, choose_quasi_definite};
+pub use auto::{Choice, choose};
 pub use cholesky::predict;
 pub use error::{SolveError, SpecError};
+pub use estimate::{FactorEstimate, Outline};
 pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
 pub use ordering::{Permutation, nested_dissection};
 pub use partition::Partition;
@@ -51,7 +53,7 @@ pub use petsc::{
 pub use problem::{Coordinates, NearNullspace, Problem, Symmetry};
 pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
 pub use report::{FactorPrediction, SolveReport, SolverCounters};
-pub use spec::SolverSpec;
+pub use spec::{Demand, SolverSpec};
 pub use team::{Team, thread_team};
 
 /// A linear solver for one sparsity pattern at a time: analyse, refresh, solve.

@@ -76,6 +76,10 @@ pub struct Problem<'a> {
     /// Schur complement B K⁻¹ Bᵀ of the negative block by a diagonal (for poroelasticity the
     /// fixed-stress storage in the scale of the matrix).
     pub schur_diagonal: Option<&'a [f64]>,
+    /// Right-hand sides expected per change of the values; more of them pay for a dearer set-up.
+    pub solves: usize,
+    /// Largest over smallest coefficient, as far as it is known; 1 if it is not.
+    pub contrast: f64,
     /// Distributed problems: which rows are stored here. Rows of other processes are empty.
     pub partition: Option<&'a Partition>,
 }
@@ -91,6 +95,8 @@ impl<'a> Problem<'a> {
             unknowns_per_point,
             near_nullspace: NearNullspace::Constants,
             schur_diagonal: None,
+            solves: 1,
+            contrast: 1.0,
             partition: None,
         }
     }

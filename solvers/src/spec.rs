@@ -19,6 +19,15 @@ pub struct SolverSpec {
     options: Vec<(String, String)>,
 }
 
+/// What a run asks of a solver.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Demand {
+    /// The backend wished for.
+    pub spec: SolverSpec,
+    /// Right-hand sides expected per change of the values of the matrix.
+    pub solves: usize,
+}
+
 impl SolverSpec {
     /// Name of the backend.
     #[must_use]

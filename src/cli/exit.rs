@@ -2,7 +2,6 @@
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
-use std::process::ExitCode;
 
 use crate::model::ModelError;
 use crate::output::OutputError;
@@ -26,7 +25,8 @@ pub enum Failure {
 }
 
 impl Failure {
-    fn code(&self) -> u8 {
+    /// The exit code.
+    pub fn code(&self) -> u8 {
         match self {
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
@@ -37,18 +37,18 @@ impl Failure {
     }
 
     /// Tells the user on standard error and gives the exit code.
-    pub fn report(&self) -> ExitCode {
+    pub fn report(&self) -> u8 {
         let mut stderr = std::io::stderr().lock();
         let text = match self {
             Failure::Usage(message) => format!("error: {message}"),
             Failure::Scene(errors) => errors.render(colourful()),
             Failure::Run(error) => format!("error: {error}"),
             Failure::Output(error) => format!("error: {error}"),
-            Failure::Broken => return ExitCode::SUCCESS,
+            Failure::Broken => return 0,
         };
         // Nothing can be done if even standard error is gone.
         let _ = writeln!(stderr, "{}", text.trim_end());
-        ExitCode::from(self.code())
+        self.code()
     }
 }
 

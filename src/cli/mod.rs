@@ -5,6 +5,7 @@ mod check;
 mod common;
 mod exit;
 mod plan;
+mod processes;
 mod progress;
 mod run;
 mod schema;
@@ -64,8 +65,5 @@ pub fn main() -> ExitCode {
             exit::print(&String::from_utf8_lossy(&script))
         }
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
-    }
+    processes::Processes::started().leave(&result)
 }

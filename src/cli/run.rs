@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::output::OutputError;
-use crate::run::{RunError, Summary, Writer, run as run_plan};
+use crate::run::{RunError, Summary, Writer, run_with};
 
 use super::common::{Planned, SceneArgs};
 use super::exit::{Failure, print};
+use super::processes::Processes;
 use super::progress::Console;
 
 /// Arguments of `run`.
@@ -19,7 +20,7 @@ pub struct Args {
     /// Folder for the results [default: out/CASE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Number of threads [default: all processors]
+    /// Number of threads of each process [default: all processors, shared out]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// Print the summary as one JSON object
@@ -32,25 +33,35 @@ pub struct Args {
 
 /// Runs a scene.
 pub fn run(args: &Args) -> Result<(), Failure> {
+    let processes = Processes::started();
     let planned = args.scene.plan()?;
-    set_threads(args.threads)?;
+    set_threads(args.threads, processes.threads())?;
     let folder = args
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
     check_folder(&folder)?;
-    let mut writer = Writer::create(&folder, &planned.loaded.resolved_toml())?;
+    let team = processes.team()?;
+    let resolved = planned.loaded.resolved_toml();
+    let mut writer = match processes.leads() {
+        true => Writer::create(&folder, &resolved)?,
+        false => Writer::follow(&folder, &resolved),
+    };
     let interrupt = Arc::new(AtomicBool::new(false));
     let flag = interrupt.clone();
     // Without a handler the run is simply ended at once, as before.
     let _ = ctrlc::set_handler(move || interrupted(&flag));
-    let mut console = Console::new(args.quiet);
-    let result = match planned.plan.dimension {
-        2 => run_plan::<2>(&planned.plan, Some(&mut writer), &mut console, &interrupt),
-        _ => run_plan::<3>(&planned.plan, Some(&mut writer), &mut console, &interrupt),
+    let mut console = Console::new(args.quiet || !processes.leads());
+    let (plan, team, writer_of) = (&planned.plan, team.as_ref(), Some(&mut writer));
+    let result = match plan.dimension {
+        2 => run_with::<2>(plan, team, writer_of, &mut console, &interrupt),
+        _ => run_with::<3>(plan, team, writer_of, &mut console, &interrupt),
     };
     console.finish();
     let (summary, _) = result.map_err(|error| failure(&planned, error))?;
+    if !processes.leads() {
+        return Ok(());
+    }
     if args.json {
         let text = serde_json::to_string(&summary).unwrap_or_default();
         return print(&text);
@@ -93,8 +104,8 @@ fn failure(planned: &Planned, error: RunError) -> Failure {
     }
 }
 
-fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
-    let Some(threads) = threads else {
+fn set_threads(wish: Option<usize>, default: Option<usize>) -> Result<(), Failure> {
+    let Some(threads) = wish.or(default) else {
         return Ok(());
     };
     if threads == 0 {
@@ -108,9 +119,13 @@ fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
 
 fn describe(summary: &Summary) -> String {
     let mut text = format!(
-        "{}: {} points, {} by {}, {} steps ({} rejected), {:.2} s\n",
+        "{}: {} points{}, {} by {}, {} steps ({} rejected), {:.2} s\n",
         summary.case,
         summary.points,
+        match summary.processes {
+            1 => String::new(),
+            several => format!(" on {several} processes"),
+        },
         summary.scheme,
         summary.solver.as_deref().unwrap_or("no solver"),
         summary.steps,
@@ -161,7 +176,7 @@ mod tests {
         let text = cases::find(case).unwrap().scene;
         let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
         let plan = plan::resolve(&loaded, case).unwrap();
-        let summary = run_plan::<2>(&plan, None, &mut (), &AtomicBool::new(false));
+        let summary = run_with::<2>(&plan, None, None, &mut (), &AtomicBool::new(false));
         describe(&summary.unwrap().0)
     }
 

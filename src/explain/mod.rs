@@ -85,6 +85,8 @@ pub struct MatrixSize {
     pub bytes: u64,
     /// Memory of its factor, bytes; 0 without one.
     pub factor: u64,
+    /// Operations of one factorisation; 0 without a factor.
+    pub factor_flops: f64,
 }
 
 /// Estimated memory in bytes.

@@ -1,6 +1,6 @@
 //! How steps are taken, and what solves their systems.
 
-use perifrac_solvers::{Choice, SolveError, choose_by_size, choose_quasi_definite};
+use perifrac_solvers::{Outline, Symmetry, choose};
 
 use super::size::{System, systems};
 use super::{Reason, reason};
@@ -109,14 +109,34 @@ pub(super) fn choice(plan: &Plan, sample: &Sample, system: System) -> Reason {
     if plan.solver.name() != "auto" {
         return reason(plan.solver.to_string(), "asked for");
     }
-    let unknowns = system.width(plan.dimension) * sample.points;
-    let row = system.row(plan.dimension, sample);
-    let choice: Result<Choice, SolveError> = match system {
-        System::Monolithic => choose_quasi_definite(unknowns, row),
-        System::Flow | System::Mechanics => choose_by_size(unknowns, row, plan.dimension),
-    };
-    match choice {
+    match choose(&outline(plan, sample, system)) {
         Ok(choice) => reason(choice.spec.to_string(), choice.reason),
         Err(error) => reason("auto", error.to_string()),
+    }
+}
+
+/// What is known of a system from the sample.
+pub(super) fn outline(plan: &Plan, sample: &Sample, system: System) -> Outline {
+    let flow = sample.flow.as_ref();
+    let contrast = flow.map_or(1.0, |flow| flow.mobility[1] / flow.mobility[0]);
+    let solid = sample.solid.as_ref().map_or(1.0, |solid| solid.contrast);
+    Outline {
+        symmetry: match system {
+            System::Monolithic => Symmetry::QuasiDefinite,
+            System::Flow | System::Mechanics => Symmetry::PositiveDefinite,
+        },
+        points: sample.points,
+        unknowns_per_point: system.width(plan.dimension),
+        entries_per_row: system.row(plan.dimension, sample),
+        dimension: plan.dimension,
+        solves: match system {
+            System::Mechanics => plan.solid_demand().solves,
+            System::Flow | System::Monolithic => plan.stage_demand().solves,
+        },
+        contrast: match system {
+            System::Mechanics => solid,
+            System::Flow | System::Monolithic => contrast,
+        },
+        processes: 1,
     }
 }

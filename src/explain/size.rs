@@ -1,6 +1,6 @@
 //! Sizes of matrices, factors and everything else that is held.
 
-use super::scheme::choice;
+use super::scheme::{choice, outline};
 use super::{MatrixSize, Memory};
 use crate::model::Sample;
 use crate::plan::{Plan, SchemeChoice, TimeMode};
@@ -116,7 +116,20 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
         solved,
         bytes: (bytes * nonzeros) as u64,
         factor: factor as u64,
+        factor_flops: match direct {
+            true => flops(plan, sample, system),
+            false => 0.0,
+        },
     }
+}
+
+/// Operations of one factorisation: nested dissection, or a sweep where the cloud is slender.
+fn flops(plan: &Plan, sample: &Sample, system: System) -> f64 {
+    let own = system.width(plan.dimension) as f64;
+    let depth = system.neighbours(sample).powf(1.0 / plan.dimension as f64);
+    let front = own * depth * sample.across.powi(plan.dimension as i32 - 1);
+    let sweep = own * sample.points as f64 * front.powi(2);
+    outline(plan, sample, system).factor().flops.min(sweep)
 }
 
 /// Fill of a factor with nested dissection per nonzero of the matrix, from measured factors.

@@ -87,7 +87,11 @@ impl Explanation {
             let use_of = match (matrix.solved, matrix.factor) {
                 (false, _) => "applied only".to_owned(),
                 (true, 0) => "solved without a factor".to_owned(),
-                (true, factor) => format!("factor {}", bytes(factor)),
+                (true, factor) => format!(
+                    "factor {}, {:.1e} operations",
+                    bytes(factor),
+                    matrix.factor_flops
+                ),
             };
             writeln!(
                 f,

@@ -1,5 +1,6 @@
 //! The plan: a scene resolved to SI units and active effects. Nothing downstream reads the scene.
 
+mod demand;
 mod exact;
 mod files;
 mod resolve;

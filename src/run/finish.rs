@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
-use crate::geometry::Side;
+use crate::geometry::{Families, Side};
 use crate::model::FlowModel;
 use crate::plan::{
     ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux, exact_pressure,
@@ -31,10 +31,8 @@ impl<const D: usize> Run<'_, D> {
         let model = &self.model;
         let flow = model.flow.as_ref();
         let solid = model.solid.as_ref();
-        let around = match (flow, solid) {
-            (Some(flow), _) => Some(flow.operator.neighbourhood()),
-            (None, solid) => solid.map(|solid| &*solid.elastic.around),
-        };
+        let partition = model.share().partition();
+        let [bonds, nonzeros] = self.sizes();
         let prescribed = flow.map_or(0, |flow| flow.fixed.len());
         let mut summary = Summary {
             case: self.plan.case.clone(),
@@ -44,12 +42,12 @@ impl<const D: usize> Run<'_, D> {
             solver_reason: solver.map(|(_, reason)| reason),
             operator: flow.map_or("none", |flow| flow.operator.name()),
             dimension: D,
+            processes: partition.map_or(1, |own| own.team().size()),
             points: model.cloud.len(),
             unknowns: flow.map_or(0, FlowModel::points) - prescribed
                 + solid.map_or(0, |solid| solid.unknowns()),
-            bonds: around.map_or(0, |around| around.families.bonds()),
-            nonzeros: flow.map_or(0, |flow| flow.pattern.nonzeros())
-                + solid.map_or(0, |solid| solid.stiffness.nnz()),
+            bonds,
+            nonzeros,
             second_hops: flow.map_or(0, |flow| flow.operator.second_hops()),
             steps: self.steps,
             rejected: self.rejected,
@@ -72,12 +70,39 @@ impl<const D: usize> Run<'_, D> {
         };
         if let Some(writer) = &mut self.writer {
             let start = Instant::now();
-            writer.finish(self.plan, &self.model, &self.state)?;
+            let drawn = writer.finish(self.plan, &self.model, &self.state);
+            self.agree(drawn)?;
             summary.timers.add("plots", start.elapsed().as_secs_f64());
             summary.wall_s += start.elapsed().as_secs_f64();
-            writer.summary(&summary)?;
+            if let Some(writer) = &self.writer {
+                self.agree(writer.summary(&summary))?;
+            }
         }
         Ok((summary, self.state))
+    }
+
+    /// Bonds and matrix entries of all processes.
+    fn sizes(&self) -> [usize; 2] {
+        let model = &self.model;
+        let families = match (&model.flow, &model.solid) {
+            (Some(flow), _) => Some(&flow.operator.neighbourhood().families),
+            (None, solid) => solid.as_ref().map(|solid| &solid.elastic.around.families),
+        };
+        let own = |families: &Families<D>| -> usize {
+            let points = (0..families.len()).filter(|point| families.share.owns(*point));
+            points.map(|point| families.family(point).len()).sum()
+        };
+        let flow = model
+            .flow
+            .as_ref()
+            .map_or(0, |flow| flow.pattern.nonzeros());
+        let solid = model
+            .solid
+            .as_ref()
+            .map_or(0, |solid| solid.stiffness.nnz());
+        let mut sizes = [families.map_or(0, |f| own(f)), flow + solid].map(|size| size as f64);
+        model.share().sum(&mut sizes);
+        sizes.map(|size| size as usize)
     }
 
     /// A balance this poor means that the linear systems are beyond what double precision resolves.

@@ -25,6 +25,8 @@ pub struct Summary {
     pub operator: &'static str,
     /// 2 or 3.
     pub dimension: usize,
+    /// Processes that worked on it.
+    pub processes: usize,
     /// Points.
     pub points: usize,
     /// Unknowns of the linear system.

@@ -163,14 +163,14 @@ impl<const D: usize> Run<'_, D> {
 
     /// The drained state: flow first, then the solid under its pressure.
     fn steady_state(&mut self) -> Result<Steady, StepError> {
-        let solver = &self.plan.solver;
         let mut steady: Steady = (StepReport::default(), SchemeCounters::default(), None);
         if let Some(flow) = &self.model.flow {
-            let (report, counters, chosen) = solve_steady(flow, solver, &mut self.state)?;
+            let (report, counters, chosen) =
+                solve_steady(flow, &self.plan.stage_demand(), &mut self.state)?;
             steady = (report, counters, Some(chosen));
         }
         if let Some(solid) = &self.model.solid {
-            let mut mechanics = Assembled::new(solver, solid)?;
+            let mut mechanics = Assembled::new(&self.plan.solid_demand(), solid)?;
             steady.0.iterations += mechanics.equilibrate(&self.model, &mut self.state)?;
             let own = SolidSolver::<D>::counters(&mechanics);
             steady.1.mechanics = own.mechanics;
@@ -270,7 +270,7 @@ impl<const D: usize> Run<'_, D> {
     }
 
     /// A failure of one process is a failure of all, so that none waits for another.
-    fn agree(&self, result: Result<(), OutputError>) -> Result<(), RunError> {
+    pub(super) fn agree(&self, result: Result<(), OutputError>) -> Result<(), RunError> {
         let mut failed = [f64::from(u8::from(result.is_err()))];
         self.model.share().sum(&mut failed);
         match result {
@@ -324,7 +324,7 @@ impl<const D: usize> Run<'_, D> {
         };
         let mut probe = match self.model.solid {
             None => {
-                let stage = Box::new(FlowStage::new(&self.plan.solver, flow)?);
+                let stage = Box::new(FlowStage::new(&self.plan.stage_demand(), flow)?);
                 Box::new(Implicit::new(Integrator::BackwardEuler, stage, false))
                     as Box<dyn Scheme<D>>
             }

@@ -19,11 +19,19 @@ pub fn build<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
 ) -> Result<Box<dyn Scheme<D>>, StepError> {
-    if plan
-        .mechanics
-        .as_ref()
-        .is_some_and(|mechanics| mechanics.inertia)
-    {
+    let inertia = (plan.mechanics.as_ref()).is_some_and(|mechanics| mechanics.inertia);
+    let relaxes = matches!(
+        plan.scheme,
+        SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_)
+    );
+    if model.share().partition().is_some() && (inertia || relaxes) {
+        return Err(StepError::Refused {
+            scheme: plan.scheme.name(),
+            reason: "it works in one process; start it without mpirun, or use --scheme implicit, \
+                     staggered or monolithic",
+        });
+    }
+    if inertia {
         return dynamic(plan, model);
     }
     match (&model.flow, &model.solid) {
@@ -40,7 +48,7 @@ fn flow_alone<const D: usize>(
     let Some(integrator) = plan.scheme.integrator() else {
         return Ok(Box::new(ForwardEuler::new(model)?));
     };
-    let stage = FlowStage::new(&plan.solver, flow_of(model)?)?;
+    let stage = FlowStage::new(&plan.stage_demand(), flow_of(model)?)?;
     Ok(Box::new(Implicit::new(
         integrator,
         Box::new(stage),
@@ -61,14 +69,14 @@ fn solid_alone<const D: usize>(
         SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_) => {
             Box::new(Relaxation::new(plan.scheme_options))
         }
-        _ => Box::new(Assembled::new(&plan.solver, solid_of(model)?)?),
+        _ => Box::new(Assembled::new(&plan.solid_demand(), solid_of(model)?)?),
     })
 }
 
 fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Scheme<D>>, StepError> {
     let options = plan.scheme_options;
     let parts = (flow_of(model)?, coupling_of(model)?);
-    let flow = || ImplicitSystem::new(&plan.solver, parts.0);
+    let flow = || ImplicitSystem::new(&plan.stage_demand(), parts.0);
     Ok(match plan.scheme {
         SchemeChoice::Explicit if !parts.0.stabilisation.is_empty() => {
             return Err(StepError::Refused {
@@ -87,12 +95,12 @@ fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Sche
             Box::new(Implicit::new(integrator, Box::new(stage), adaptive(plan)))
         }
         SchemeChoice::Staggered(integrator) => {
-            let solid = Box::new(Assembled::new(&plan.solver, solid_of(model)?)?);
+            let solid = Box::new(Assembled::new(&plan.solid_demand(), solid_of(model)?)?);
             let stage = Staggered::iterated(flow()?, solid, parts, options);
             Box::new(Implicit::new(integrator, Box::new(stage), adaptive(plan)))
         }
         SchemeChoice::Implicit(integrator) | SchemeChoice::Monolithic(integrator) => {
-            let stage = Monolithic::new(&plan.solver, model)?;
+            let stage = Monolithic::new(&plan.stage_demand(), model)?;
             Box::new(Implicit::new(integrator, Box::new(stage), adaptive(plan)))
         }
     })
@@ -114,7 +122,7 @@ fn dynamic<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Sche
             Ok(Box::new(Verlet::new(model, None)?))
         }
         (SchemeChoice::SemiImplicit(Integrator::BackwardEuler), Some(flow)) => {
-            let system = ImplicitSystem::new(&plan.solver, flow)?;
+            let system = ImplicitSystem::new(&plan.stage_demand(), flow)?;
             Ok(Box::new(Verlet::new(model, Some(system))?))
         }
         (SchemeChoice::SemiImplicit(Integrator::TrBdf2), Some(_)) => refused(

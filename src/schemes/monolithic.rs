@@ -9,11 +9,11 @@
 //! entries of both blocks of one size, so that residuals mean something for both.
 
 use perifrac_solvers::{
-    Coordinates, LinearSolver, NearNullspace, Problem, SolveError, SolverSpec, Symmetry,
+    Coordinates, Demand, LinearSolver, NearNullspace, Problem, SolveError, Symmetry,
 };
 
 use super::layout::BlockMatrix;
-use super::solid::{Border, Chosen, build_solver, corner};
+use super::solid::{Border, Chosen, build_solver, corner, ratio};
 use super::stage::{Stage, Target};
 use super::system::SAME;
 use super::{
@@ -43,11 +43,13 @@ impl Monolithic {
     ///
     /// # Errors
     /// [`StepError`] if the solver is refused.
-    pub fn new<const D: usize>(spec: &SolverSpec, model: &Model<D>) -> Result<Self, StepError> {
+    pub fn new<const D: usize>(demand: &Demand, model: &Model<D>) -> Result<Self, StepError> {
         let block = BlockMatrix::new(model)?;
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
             partition: solid_of(model)?.share().partition(),
+            solves: demand.solves,
+            contrast: ratio(flow_of(model)?.mobility.iter().copied()),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
@@ -56,7 +58,7 @@ impl Monolithic {
             schur_diagonal: Some(&block.schur_diagonal),
             ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
         };
-        let (solver, chosen) = build_solver(spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
         Ok(Monolithic {
             solver,
             chosen,

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use perifrac_solvers::{
-    Coordinates, LinearSolver, NearNullspace, Problem, SolverSpec, Symmetry, choose,
+    Coordinates, Demand, LinearSolver, NearNullspace, Outline, Problem, SolverSpec, Symmetry,
+    choose,
 };
 
 use super::{SchemeCounters, State, StepError, solid_of};
@@ -54,13 +55,12 @@ impl Assembled {
     ///
     /// # Errors
     /// [`StepError`] if the solver is refused.
-    pub fn new<const D: usize>(
-        spec: &SolverSpec,
-        solid: &SolidModel<D>,
-    ) -> Result<Self, StepError> {
+    pub fn new<const D: usize>(demand: &Demand, solid: &SolidModel<D>) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
         let problem = Problem {
             partition: solid.share().partition(),
+            solves: demand.solves,
+            contrast: ratio(solid.elastic.lame.iter().map(|lame| lame.mu)),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
@@ -68,7 +68,7 @@ impl Assembled {
             near_nullspace: NearNullspace::RigidModes,
             ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
         };
-        let (solver, chosen) = build_solver(spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
         Ok(Assembled {
             solver,
             chosen,
@@ -121,7 +121,7 @@ pub fn build_solver(
 ) -> Result<(Box<dyn LinearSolver>, Chosen), StepError> {
     let (spec, reason) = match spec.name() {
         "auto" => {
-            let choice = choose(problem)?;
+            let choice = choose(&Outline::of(problem))?;
             (choice.spec, choice.reason)
         }
         _ => (spec.clone(), "asked for".to_owned()),
@@ -129,6 +129,17 @@ pub fn build_solver(
     let mut solver = spec.build()?;
     solver.analyse(problem)?;
     Ok((solver, (spec.to_string(), reason)))
+}
+
+/// Largest over smallest of positive numbers; 1 without any.
+pub fn ratio(values: impl Iterator<Item = f64>) -> f64 {
+    let start = (f64::INFINITY, 0.0_f64);
+    let (low, high) = values
+        .filter(|value| *value > 0.0)
+        .fold(start, |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+    if high > 0.0 { high / low } else { 1.0 }
 }
 
 /// Stiffness among the plates.

@@ -6,7 +6,7 @@
 //!
 //! Without mechanics the second equation and Q do not exist.
 
-use perifrac_solvers::SolverSpec;
+use perifrac_solvers::Demand;
 
 use super::{ImplicitSystem, Increment, SchemeCounters, State, StepError, StepReport, flow_of};
 use crate::model::{FlowModel, Model};
@@ -88,12 +88,9 @@ impl FlowStage {
     ///
     /// # Errors
     /// [`StepError`] if the solver is refused.
-    pub fn new<const D: usize>(
-        solver: &SolverSpec,
-        flow: &FlowModel<D>,
-    ) -> Result<Self, StepError> {
+    pub fn new<const D: usize>(demand: &Demand, flow: &FlowModel<D>) -> Result<Self, StepError> {
         Ok(FlowStage {
-            system: ImplicitSystem::new(solver, flow)?,
+            system: ImplicitSystem::new(demand, flow)?,
             last: vec![0.0; flow.points()],
         })
     }

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use perifrac_solvers::SolverSpec;
+use perifrac_solvers::Demand;
 
 use super::{ImplicitSystem, SchemeCounters, State, StepError, StepReport};
 use crate::boundary::Wall;
@@ -22,14 +22,14 @@ const BALANCED: f64 = 1e-9;
 /// [`StepError::NoSteadyState`] for a sealed part with a net source; [`StepError::Solve`].
 pub fn solve_steady<const D: usize>(
     flow: &FlowModel<D>,
-    solver: &SolverSpec,
+    demand: &Demand,
     state: &mut State,
 ) -> Result<(StepReport, SchemeCounters, (String, String)), StepError> {
     let mut imbalance = vec![0.0; flow.points()];
     flow.rate(state.time, &mut imbalance);
     let parts = sealed_parts(flow);
     check_balance(&parts, &imbalance)?;
-    let mut system = ImplicitSystem::new(solver, flow)?;
+    let mut system = ImplicitSystem::new(demand, flow)?;
     let ground: Vec<usize> = parts.iter().map(|part| part[0] as usize).collect();
     system.prepare(flow, &vec![0.0; flow.points()], 1.0, &ground)?;
     let initial = state.pressure.clone();
@@ -95,8 +95,11 @@ fn labels<const D: usize>(flow: &FlowModel<D>) -> Vec<u32> {
         // The lowest label first: it floods its part at once.
         let mut pending: Vec<u32> = (0..flow.points() as u32).rev().collect();
         while let Some(point) = pending.pop() {
-            let own = label[point as usize];
-            for &column in &pattern.columns[pattern.row(point as usize)] {
+            let columns = &pattern.columns[pattern.row(point as usize)];
+            let neighbours = columns.iter().map(|&column| label[column as usize]);
+            let own = neighbours.fold(label[point as usize], u32::min);
+            label[point as usize] = own;
+            for &column in columns {
                 let other = &mut label[column as usize];
                 if *other > own {
                     *other = own;

@@ -1,12 +1,12 @@
 //! The implicit matrix S + a L of flow, factored anew only when `a` or L changes.
 
 use perifrac_solvers::{
-    Coordinates, LinearSolver, Problem, SolveError, SolverCounters, SolverSpec, Symmetry, multiply,
+    Coordinates, Demand, LinearSolver, Problem, SolveError, SolverCounters, Symmetry, multiply,
 };
 
 use crate::model::FlowModel;
 
-use super::solid::{Chosen, build_solver};
+use super::solid::{Chosen, build_solver, ratio};
 use super::{StepError, StepReport};
 
 /// Solver of (S + a L) x = b with rows of fixed points replaced by the identity. S is the capacity of
@@ -46,18 +46,20 @@ impl ImplicitSystem {
     ///
     /// # Errors
     /// [`StepError`] if the solver is refused.
-    pub fn new<const D: usize>(spec: &SolverSpec, flow: &FlowModel<D>) -> Result<Self, StepError> {
+    pub fn new<const D: usize>(demand: &Demand, flow: &FlowModel<D>) -> Result<Self, StepError> {
         let coordinates = flow.operator.neighbourhood().cloud.flat_positions();
         let values = vec![0.0; flow.pattern.nonzeros()];
         let problem = Problem {
             partition: flow.share().partition(),
+            solves: demand.solves,
+            contrast: ratio(flow.mobility.iter().copied()),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
             }),
             ..Problem::new(flow.view(&values), Symmetry::PositiveDefinite, 1)
         };
-        let (solver, chosen) = build_solver(spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
         Ok(ImplicitSystem {
             solver,
             chosen,

@@ -65,6 +65,8 @@ pub struct SolidSample {
     pub corrected: bool,
     /// Largest Poisson's ratio.
     pub poissons_ratio: f64,
+    /// Largest over smallest shear modulus.
+    pub contrast: f64,
     /// Step limit by waves, where the density of every point is known.
     pub waves: Option<PointLimit>,
 }
@@ -92,6 +94,13 @@ impl PointLimit {
             position: cloud.position[point].iter().copied().collect(),
         }
     }
+}
+
+/// Largest over smallest of positive numbers.
+fn contrast(values: impl Iterator<Item = f64>) -> f64 {
+    let start = (f64::INFINITY, 0.0_f64);
+    let (low, high) = values.fold(start, |(low, high), v| (low.min(v), high.max(v)));
+    high / low
 }
 
 const SAMPLES: usize = 48;
@@ -191,6 +200,7 @@ impl<const D: usize> Seen<'_, D> {
             bonds: self.mean(|family| family.solid_bonds),
             neighbours: self.mean(|family| family.two_hops),
             corrected: mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes),
+            contrast: contrast(self.points.lame.iter().map(|lame| lame.mu)),
             poissons_ratio: self.points.lame.iter().map(ratio).fold(0.0, f64::max),
             waves: self.waves(),
         }

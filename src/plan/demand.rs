@@ -1,0 +1,56 @@
+//! How often the matrices of a plan are solved with between two changes of their values.
+
+use perifrac_solvers::Demand;
+
+use super::{Integrator, Plan, StepRule, TimeMode};
+
+/// Steps with one matrix when steps adapt: they are lengthened rarely and by much.
+const ADAPTIVE_STEPS: usize = 3;
+/// Passes between flow and mechanics that a step takes, about.
+const PASSES: usize = 6;
+/// Steps of an adaptive run, about.
+const ADAPTIVE_RUN: usize = 50;
+
+impl Plan {
+    /// Demand on the solver of a matrix that changes with the length of the step.
+    pub fn stage_demand(&self) -> Demand {
+        let stages = match self.scheme.integrator() {
+            Some(Integrator::TrBdf2) => 2,
+            _ => 1,
+        };
+        let steps = match (self.time.mode, self.time.step) {
+            (TimeMode::Steady, _) => 1,
+            (_, StepRule::Fixed(_)) => self.fixed_steps(),
+            _ => ADAPTIVE_STEPS,
+        };
+        self.demand(steps * stages)
+    }
+
+    /// Demand on the solver of a matrix that stays the same for the whole run.
+    pub fn solid_demand(&self) -> Demand {
+        if self.time.mode == TimeMode::Steady {
+            return self.demand(1);
+        }
+        let steps = match self.time.step {
+            StepRule::Fixed(_) => self.fixed_steps(),
+            _ if self.flow.is_none() => 1,
+            _ => ADAPTIVE_RUN,
+        };
+        let passes = if self.flow.is_some() { PASSES } else { 1 };
+        self.demand(steps * passes)
+    }
+
+    fn fixed_steps(&self) -> usize {
+        match self.time.step {
+            StepRule::Fixed(dt) => ((self.time.end / dt).ceil() as usize).max(1),
+            _ => 1,
+        }
+    }
+
+    fn demand(&self, solves: usize) -> Demand {
+        Demand {
+            spec: self.solver.clone(),
+            solves,
+        }
+    }
+}
