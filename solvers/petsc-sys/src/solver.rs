@@ -122,7 +122,8 @@ impl Solver {
         Ok(raw)
     }
 
-    /// Names the matrix of the system. The solver follows its changes.
+    /// Names the matrix of the system. Name it again when its values have changed: the next
+    /// [`Self::set_up`] then takes them in.
     ///
     /// # Errors
     /// [`PetscError::Call`].
@@ -218,7 +219,7 @@ impl Solver {
         unsafe { call!(self.session, PCGAMGSetReuseInterpolation(pc, keep)) }
     }
 
-    /// Forgets what was set up, so that the next set-up starts afresh.
+    /// Forgets what was set up and the matrix, so that the next set-up starts afresh.
     ///
     /// # Errors
     /// [`PetscError::Call`].

@@ -30,8 +30,8 @@ pub(crate) struct Engine {
     rhs: Vector,
     x: Vector,
     direct: bool,
-    /// Whether unused flags have been looked for.
-    checked: bool,
+    /// Whether unused flags have been looked for after a set-up and after a solve.
+    checked: [bool; 2],
     aggregates: Aggregates,
 }
 
@@ -61,6 +61,8 @@ pub(crate) struct Solved {
     pub(crate) failure: Option<Failure>,
     /// The preconditioner was set up anew on the way.
     pub(crate) rebuilt: bool,
+    /// Flags that nothing reads.
+    pub(crate) missed: Vec<String>,
 }
 
 impl Engine {
@@ -101,7 +103,7 @@ impl Engine {
             rhs: Vector::new(session, comm, layout.rows(), layout.per_point())?,
             x: Vector::new(session, comm, layout.rows(), layout.per_point())?,
             direct: method == "preonly" && factorises,
-            checked: false,
+            checked: [false; 2],
             aggregates: Aggregates {
                 by_user: flags.has("-pc_gamg_reuse_interpolation"),
                 kept: false,
@@ -128,12 +130,10 @@ impl Engine {
             }
             self.solver.keep_aggregates(aggregates.kept)?;
         }
-        let failure = self.solver.set_up()?;
-        let mut missed = Vec::new();
-        if !self.checked {
-            self.checked = true;
-            missed = flags.missed(&self.solver.unused_flags()?);
-        }
+        let failure = self.set_up()?;
+        let mut missed = self.missed(flags, 0)?;
+        // The solvers of blocks are set up by the first solve.
+        missed.retain(|flag| !flag.starts_with("-fieldsplit_"));
         let factor = match failure {
             None => self.solver.factor_size()?,
             Some(_) => None,
@@ -146,11 +146,25 @@ impl Engine {
         })
     }
 
+    /// Flags that nothing has read, looked for once at each of the two stages.
+    fn missed(&mut self, flags: &Flags, stage: usize) -> Result<Vec<String>, PetscError> {
+        if std::mem::replace(&mut self.checked[stage], true) {
+            return Ok(Vec::new());
+        }
+        Ok(flags.missed(&self.solver.unused_flags()?))
+    }
+
+    /// Sets up now: PETSc would put it off to the next solve unless told of the matrix again.
+    fn set_up(&mut self) -> Result<Option<Failure>, PetscError> {
+        self.solver.set_matrix(&self.matrix)?;
+        self.solver.set_up()
+    }
+
     /// Solves for one right-hand side of norm 1 to a relative residual. Where kept aggregates
     /// fail, they are made anew.
     pub(crate) fn solve(
         &mut self,
-        _session: &Session,
+        flags: &Flags,
         aim: f64,
         rhs: &[f64],
         x: &mut [f64],
@@ -165,7 +179,7 @@ impl Engine {
             self.aggregates.fresh = None;
             self.solver.keep_aggregates(false)?;
             self.solver.reset()?;
-            self.solver.set_up()?;
+            self.set_up()?;
             outcome = self.solver.solve(&self.rhs, &mut self.x)?;
             iterations += outcome.iterations;
         }
@@ -175,6 +189,7 @@ impl Engine {
             iterations,
             failure: outcome.failure,
             rebuilt,
+            missed: self.missed(flags, 1)?,
         })
     }
 }

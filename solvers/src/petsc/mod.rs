@@ -125,12 +125,13 @@ impl Petsc {
         work.residual.iter_mut().for_each(|value| *value /= size);
         let (engine, rhs, x_own) = (&mut work.engine, &work.residual, &mut work.correction);
         let solved = engine::on_thread(&self.flags, |session| {
-            engine.get(session).solve(session, aim, rhs, x_own)
+            engine.get(session).solve(&self.flags, aim, rhs, x_own)
         })?;
         self.counters.iterations += solved.iterations as u64;
         if solved.rebuilt {
             self.counters.factorisations += 1;
         }
+        outcome::of_flags(&solved.missed)?;
         if let Some(failure) = solved.failure {
             outcome::of_solve(failure, self.counters.iterations as usize)?;
         }

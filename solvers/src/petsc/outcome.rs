@@ -35,12 +35,17 @@ pub(crate) fn of_set_up(set_up: &SetUp) -> Result<(), SolveError> {
         };
         return Err(failed(stage, failure));
     }
-    if set_up.missed.is_empty() {
+    of_flags(&set_up.missed)
+}
+
+/// Whether all flags were read.
+pub(crate) fn of_flags(missed: &[String]) -> Result<(), SolveError> {
+    if missed.is_empty() {
         return Ok(());
     }
     Err(SolveError::UnusedFlags {
         solver: NAME,
-        flags: set_up.missed.join(", "),
+        flags: missed.join(", "),
     })
 }
 
