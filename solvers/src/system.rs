@@ -105,6 +105,12 @@ impl System {
         self.ready = false;
     }
 
+    /// Declares that the analysis failed after all; nothing works before the next one.
+    pub(crate) fn forget(&mut self) {
+        self.pattern = None;
+        self.ready = false;
+    }
+
     /// The diagonal must be positive for a positive definite matrix.
     pub(crate) fn check_diagonal(&self) -> Result<(), SolveError> {
         let fault = self.diagonal.iter().position(|value| *value <= 0.0);
@@ -114,11 +120,6 @@ impl System {
                 diagonal: self.diagonal[row],
             })
         })
-    }
-
-    /// Inverse of the diagonal, 1 where the diagonal is 0.
-    pub(crate) fn inverse_diagonal(&self) -> &[f64] {
-        &self.inverse_diagonal
     }
 
     /// Checks everything given to a solve.
@@ -181,7 +182,9 @@ impl System {
 fn elsewhere(symmetry: Symmetry) -> &'static str {
     match symmetry {
         Symmetry::QuasiDefinite => "; `faer-ldlt` and `auto` solve this one",
-        _ => "",
+        Symmetry::Indefinite => "; `minres`, `gmres` and `faer-lu` solve this one",
+        Symmetry::General => "; `gmres`, `bicgstab` and `faer-lu` solve this one",
+        Symmetry::PositiveDefinite => "",
     }
 }
 
