@@ -1,6 +1,6 @@
 //! The table of preconditioners, and which of them a method can take.
 
-use super::{Preconditioner, jacobi, none, stale};
+use super::{Preconditioner, block_jacobi, ic0, ilu0, jacobi, none, single, stale};
 use crate::SpecError;
 use crate::problem::Symmetry;
 use crate::registry::Options;
@@ -34,6 +34,34 @@ pub const PRECONDITIONERS: &[PreconditionerInfo] = &[
         symmetries: ALL,
         definite: SYMMETRIC,
         build: jacobi::build,
+    },
+    PreconditionerInfo {
+        name: "block-jacobi",
+        meaning: "diagonal blocks of the points; absolute values of their eigenvalues if symmetric",
+        symmetries: ALL,
+        definite: SYMMETRIC,
+        build: block_jacobi::build,
+    },
+    PreconditionerInfo {
+        name: "ic0",
+        meaning: "Cholesky factor without fill, diagonal raised until it exists",
+        symmetries: DEFINITE,
+        definite: DEFINITE,
+        build: ic0::build,
+    },
+    PreconditionerInfo {
+        name: "ilu0",
+        meaning: "LU factors without fill, diagonal raised until they exist",
+        symmetries: ALL,
+        definite: &[],
+        build: ilu0::build,
+    },
+    PreconditionerInfo {
+        name: "f32",
+        meaning: "LLT or LDLT factor in single precision: half the memory of a direct solver",
+        symmetries: FACTORED,
+        definite: DEFINITE,
+        build: single::build,
     },
     PreconditionerInfo {
         name: "stale",
