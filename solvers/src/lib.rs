@@ -22,6 +22,7 @@ mod direct;
 mod error;
 mod faer_ldlt;
 mod faer_llt;
+mod faer_lu;
 mod krylov;
 mod matrix;
 mod ordering;

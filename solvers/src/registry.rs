@@ -2,7 +2,7 @@
 
 use crate::krylov::{bicgstab, conjugate_gradient, gmres, minres};
 use crate::problem::Symmetry;
-use crate::{LinearSolver, SpecError, auto, faer_ldlt, faer_llt};
+use crate::{LinearSolver, SpecError, auto, faer_ldlt, faer_llt, faer_lu};
 
 /// Every backend that can be chosen by name.
 pub const BACKENDS: &[Backend] = &[
@@ -10,6 +10,7 @@ pub const BACKENDS: &[Backend] = &[
     faer_llt::BACKEND,
     faer_ldlt::BACKEND,
     conjugate_gradient::BACKEND,
+    faer_lu::BACKEND,
     minres::BACKEND,
     gmres::BACKEND,
     gmres::FLEXIBLE_BACKEND,
