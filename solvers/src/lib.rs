@@ -31,6 +31,8 @@ mod preconditioner;
 mod problem;
 mod registry;
 mod report;
+#[cfg(test)]
+mod shelf_tests;
 mod spec;
 mod system;
 #[cfg(test)]

@@ -14,6 +14,8 @@ mod driver;
 mod faer_adapter;
 pub(crate) mod gmres;
 mod hessenberg;
+#[cfg(test)]
+mod method_tests;
 pub(crate) mod minres;
 mod options;
 #[cfg(test)]
