@@ -15,11 +15,12 @@ use faer::sparse::linalg::cholesky::{
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
+use faer::traits::RealField;
 use faer::{Conj, Mat, MatMut, Par, Side};
 
 use crate::matrix::Rows;
 use crate::ordering::{Permutation, PointGraph, PointOrder, dissect, is_slender, sweep};
-use crate::problem::Problem;
+use crate::problem::{Problem, Symmetry};
 use crate::{CsrView, FactorPrediction, SolveError};
 
 /// Which ordering a factor uses.
@@ -45,6 +46,16 @@ pub(crate) enum Kind {
     Ldlt,
 }
 
+impl Kind {
+    /// The cheapest factor that a matrix of this kind has.
+    pub(crate) fn of(symmetry: Symmetry) -> Self {
+        match symmetry {
+            Symmetry::PositiveDefinite => Self::Llt,
+            _ => Self::Ldlt,
+        }
+    }
+}
+
 /// Size of the Cholesky factor of a problem, from its pattern alone. The ordering is the one
 /// that the direct backends use by default.
 ///
@@ -52,21 +63,21 @@ pub(crate) enum Kind {
 /// Those of [`Problem::validate`]; [`SolveError::TooLarge`] above 2³¹ entries.
 pub fn predict(problem: &Problem<'_>) -> Result<FactorPrediction, SolveError> {
     problem.validate()?;
-    Ok(prediction(&symbolic(problem, Ordering::Automatic)?))
+    Ok(prediction::<f64>(&symbolic(problem, Ordering::Automatic)?))
 }
 
-/// A Cholesky factor with all the memory it needs.
-pub(crate) struct CholeskyFactor {
+/// A Cholesky factor with all the memory it needs, in double or single precision.
+pub(crate) struct CholeskyFactor<T: RealField> {
     kind: Kind,
     symbolic: SymbolicCholesky<u32>,
     prediction: FactorPrediction,
     /// One column, so that its alignment and with it every bit is always the same.
-    values: Mat<f64>,
+    values: Mat<T>,
     factor_memory: MemBuffer,
     solve_memory: MemBuffer,
 }
 
-impl CholeskyFactor {
+impl<T: RealField> CholeskyFactor<T> {
     /// Ordering and symbolic factorisation; allocates all memory but the values.
     pub(crate) fn analyse(
         problem: &Problem<'_>,
@@ -82,13 +93,13 @@ impl CholeskyFactor {
         };
         let (par, standard) = (Par::Seq, Default::default());
         let factor_request = match kind {
-            Kind::Llt => symbolic.factorize_numeric_llt_scratch::<f64>(par, standard),
-            Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<f64>(par, Default::default()),
+            Kind::Llt => symbolic.factorize_numeric_llt_scratch::<T>(par, standard),
+            Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<T>(par, Default::default()),
         };
-        let solve_request = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let solve_request = symbolic.solve_in_place_scratch::<T>(1, Par::Seq);
         Ok(Self {
             kind,
-            prediction: prediction(&symbolic),
+            prediction: prediction::<T>(&symbolic),
             values: Mat::new(),
             factor_memory: allocate(factor_request)?,
             solve_memory: allocate(solve_request)?,
@@ -101,14 +112,19 @@ impl CholeskyFactor {
         self.prediction
     }
 
-    /// Numeric factorisation. After an error the old factor is lost.
-    pub(crate) fn factorise(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
+    /// Numeric factorisation of these values on the pattern of `matrix`, which errors quote. After an
+    /// error the old factor is lost.
+    pub(crate) fn factorise_values(
+        &mut self,
+        matrix: CsrView<'_>,
+        entries: &[T],
+    ) -> Result<(), SolveError> {
         let length = self.symbolic.len_val();
         if self.values.nrows() != length || self.values.ncols() == 0 {
             self.values = Mat::zeros(length, 1);
         }
         let rows = Rows::new(&matrix);
-        let view = SparseColMatRef::new(pattern_of(&matrix), rows.values());
+        let view = SparseColMatRef::new(pattern_of(&matrix), entries);
         let (values, side) = (self.values.col_as_slice_mut(0), Side::Lower);
         let memory = MemStack::new(&mut self.factor_memory);
         let (par, standard) = (Par::Seq, Default::default());
@@ -164,57 +180,31 @@ impl CholeskyFactor {
     }
 
     /// Overwrites a right-hand side by the solution.
-    pub(crate) fn solve_in_place(&mut self, x: &mut [f64]) {
-        let x = MatMut::from_column_major_slice_mut(&mut *x, self.symbolic.nrows(), 1);
+    pub(crate) fn solve_in_place(&mut self, x: &mut [T]) {
+        let (symbolic, values) = (&self.symbolic, self.values.col_as_slice(0));
+        let x = MatMut::from_column_major_slice_mut(x, symbolic.nrows(), 1);
         let memory = MemStack::new(&mut self.solve_memory);
-        substitute(
-            self.kind,
-            &self.symbolic,
-            self.values.col_as_slice(0),
-            x,
-            memory,
-        );
-    }
-
-    /// Memory that [`Self::apply`] asks for.
-    pub(crate) fn apply_scratch(&self, columns: usize) -> StackReq {
-        self.symbolic
-            .solve_in_place_scratch::<f64>(columns, Par::Seq)
-    }
-
-    /// As [`Self::solve_in_place`], with the memory of the caller.
-    pub(crate) fn apply(&self, x: MatMut<'_, f64>, memory: &mut MemStack) {
-        substitute(
-            self.kind,
-            &self.symbolic,
-            self.values.col_as_slice(0),
-            x,
-            memory,
-        );
+        let (conj, par) = (Conj::No, Par::Seq);
+        match self.kind {
+            Kind::Llt => {
+                LltRef::new(symbolic, values).solve_in_place_with_conj(conj, x, par, memory);
+            }
+            Kind::Ldlt => {
+                LdltRef::new(symbolic, values).solve_in_place_with_conj(conj, x, par, memory);
+            }
+        }
     }
 }
 
-/// Forward and backward substitution.
-fn substitute(
-    kind: Kind,
-    symbolic: &SymbolicCholesky<u32>,
-    values: &[f64],
-    x: MatMut<'_, f64>,
-    memory: &mut MemStack,
-) {
-    let (conj, par) = (Conj::No, Par::Seq);
-    match kind {
-        Kind::Llt => {
-            LltRef::new(symbolic, values).solve_in_place_with_conj(conj, x, par, memory);
-        }
-        Kind::Ldlt => {
-            LdltRef::new(symbolic, values).solve_in_place_with_conj(conj, x, par, memory);
-        }
+impl CholeskyFactor<f64> {
+    /// Numeric factorisation. After an error the old factor is lost.
+    pub(crate) fn factorise(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
+        self.factorise_values(matrix, Rows::new(&matrix).values())
     }
 }
 
 /// The arrays of a symmetric matrix by rows are those of the same matrix by columns.
-fn pattern_of<'a>(matrix: &'a CsrView<'_>) -> SymbolicSparseColMatRef<'a, u32> {
+pub(crate) fn pattern_of<'a>(matrix: &'a CsrView<'_>) -> SymbolicSparseColMatRef<'a, u32> {
     let rows = Rows::new(matrix);
     let size = matrix.rows();
     SymbolicSparseColMatRef::new_checked(size, size, rows.starts(), None, rows.columns())
@@ -268,7 +258,8 @@ fn cheapest(orders: [PointOrder; 2], graph: &PointGraph<'_>) -> Result<PointOrde
         let points = starts.len() - 1;
         let pattern =
             SymbolicSparseColMatRef::new_unsorted_checked(points, points, starts, None, neighbours);
-        symbolic_of(pattern, Some(&order.of_points())).map(|symbolic| prediction(&symbolic).flops)
+        symbolic_of(pattern, Some(&order.of_points()))
+            .map(|symbolic| prediction::<f64>(&symbolic).flops)
     };
     let (first, second) = (operations(&orders[0])?, operations(&orders[1])?);
     let [one, other] = orders;
@@ -291,7 +282,7 @@ fn symbolic_of(
         .map_err(|error| too_large(pattern.nrows(), error))
 }
 
-fn too_large(unknowns: usize, error: FaerError) -> SolveError {
+pub(crate) fn too_large(unknowns: usize, error: FaerError) -> SolveError {
     let reason = match error {
         FaerError::IndexOverflow => "more than 2^31 entries".into(),
         FaerError::OutOfMemory => "out of memory".into(),
@@ -300,7 +291,8 @@ fn too_large(unknowns: usize, error: FaerError) -> SolveError {
     SolveError::TooLarge { unknowns, reason }
 }
 
-fn prediction(symbolic: &SymbolicCholesky<u32>) -> FactorPrediction {
+/// Size of a factor with entries of type `T`.
+fn prediction<T>(symbolic: &SymbolicCholesky<u32>) -> FactorPrediction {
     let mut nonzeros = 0_u64;
     let mut flops = 0.0;
     let mut column = |count: u64| {
@@ -327,7 +319,7 @@ fn prediction(symbolic: &SymbolicCholesky<u32>) -> FactorPrediction {
             supernodal.row_idx().len()
         }
     };
-    let bytes = 8 * symbolic.len_val() as u64 + 4 * indices as u64;
+    let bytes = (size_of::<T>() * symbolic.len_val() + size_of::<u32>() * indices) as u64;
     FactorPrediction {
         nonzeros,
         flops,

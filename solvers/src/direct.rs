@@ -24,32 +24,69 @@ pub(crate) const ORDERING: OptionSpec = OptionSpec {
               minimum degree; auto: nd, sweep if cheaper, amd without coordinates",
 };
 
+/// A factor of one pattern with all the memory it needs.
+pub(crate) trait Factor: Send {
+    /// Numeric factorisation. After an error the old factor is lost.
+    fn factorise(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError>;
+
+    /// Overwrites a right-hand side by the solution.
+    fn solve_in_place(&mut self, x: &mut [f64]);
+
+    /// Stored entries and bytes; zero if not known.
+    fn size(&self) -> (u64, u64);
+}
+
+impl Factor for CholeskyFactor<f64> {
+    fn factorise(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
+        Self::factorise(self, matrix)
+    }
+
+    fn solve_in_place(&mut self, x: &mut [f64]) {
+        Self::solve_in_place(self, x);
+    }
+
+    fn size(&self) -> (u64, u64) {
+        (self.prediction().nonzeros, self.prediction().bytes)
+    }
+}
+
+/// Symbolic factorisation of a backend.
+type Analyse = Box<dyn Fn(&Problem<'_>) -> Result<Box<dyn Factor>, SolveError> + Send>;
+
 /// A direct solver: factor, substitution, refinement with the true residual.
 pub(crate) struct Direct {
     name: &'static str,
     symmetries: &'static [Symmetry],
-    kind: Kind,
-    ordering: Ordering,
+    symbolic: Analyse,
     system: System,
-    factor: Option<CholeskyFactor>,
+    factor: Option<Box<dyn Factor>>,
     counters: SolverCounters,
     candidate: Vec<f64>,
 }
 
 impl Direct {
-    /// A solver of this name, for these systems, with the options of [`ORDERING`].
-    pub(crate) fn new(backend: &'static Backend, kind: Kind, options: &Options<'_>) -> Self {
+    /// A Cholesky solver of this name, for these systems, with the options of [`ORDERING`].
+    pub(crate) fn cholesky(backend: &'static Backend, kind: Kind, options: &Options<'_>) -> Self {
         let ordering = match options.choice(ORDERING.key) {
             "nd" => Ordering::NestedDissection,
             "sweep" => Ordering::Sweep,
             "amd" => Ordering::MinimumDegree,
             _ => Ordering::Automatic,
         };
+        let symbolic = move |problem: &Problem<'_>| -> Result<Box<dyn Factor>, SolveError> {
+            Ok(Box::new(CholeskyFactor::<f64>::analyse(
+                problem, kind, ordering,
+            )?))
+        };
+        Self::new(backend, Box::new(symbolic))
+    }
+
+    /// A solver of this name, for these systems, with this symbolic factorisation.
+    pub(crate) fn new(backend: &'static Backend, symbolic: Analyse) -> Self {
         Self {
             name: backend.name,
             symmetries: backend.symmetries,
-            kind,
-            ordering,
+            symbolic,
             system: System::new(backend.name),
             factor: None,
             counters: SolverCounters::default(),
@@ -102,10 +139,9 @@ impl LinearSolver for Direct {
     fn analyse(&mut self, problem: &Problem<'_>) -> Result<(), SolveError> {
         self.factor = None;
         self.system.analyse(problem, self.symmetries)?;
-        let factor = CholeskyFactor::analyse(problem, self.kind, self.ordering)?;
+        let factor = (self.symbolic)(problem)?;
         self.counters.analyses += 1;
-        self.counters.factor_nonzeros = factor.prediction().nonzeros;
-        self.counters.factor_bytes = factor.prediction().bytes;
+        (self.counters.factor_nonzeros, self.counters.factor_bytes) = factor.size();
         self.factor = Some(factor);
         Ok(())
     }

@@ -132,14 +132,51 @@ pub enum SolveError {
         /// Remedy.
         advice: String,
     },
-    /// The iteration met a direction of zero or negative curvature.
+    /// An iteration that no longer comes nearer to the solution.
     #[error(
-        "conjugate gradients broke down in iteration {iterations}: the matrix or the \
-         preconditioner is not positive definite; try `faer-llt`, which names the row"
+        "`{method}` stagnates after {iterations} iterations: relative residual {residual:e}, \
+         wanted {tolerance:e}; {advice}"
     )]
-    Breakdown {
+    Stagnated {
+        /// Name of the backend.
+        method: &'static str,
         /// Iterations done, over all restarts.
         iterations: usize,
+        /// True relative residual reached.
+        residual: f64,
+        /// Relative residual wanted.
+        tolerance: f64,
+        /// Remedy.
+        advice: String,
+    },
+    /// An iteration that cannot be continued, because it would divide by zero or because the matrix
+    /// or the preconditioner lacks a property it needs.
+    #[error("`{method}` broke down in iteration {iterations}: {cause}; {advice}")]
+    Breakdown {
+        /// Name of the backend.
+        method: &'static str,
+        /// Iterations done, over all restarts.
+        iterations: usize,
+        /// What was met.
+        cause: &'static str,
+        /// Remedy.
+        advice: String,
+    },
+    /// An incomplete factorisation without usable pivot.
+    #[error(
+        "preconditioner `{preconditioner}` finds no usable pivot at row {row} (its diagonal entry is \
+         {diagonal:e}), even with {shift} added to the diagonal of the scaled matrix; choose \
+         another preconditioner, and check that every unknown has an equation of its own"
+    )]
+    IncompletePivot {
+        /// Name of the preconditioner.
+        preconditioner: &'static str,
+        /// Row where the factorisation stopped.
+        row: usize,
+        /// Diagonal entry of the matrix in this row.
+        diagonal: f64,
+        /// Largest shift tried, relative to the diagonal.
+        shift: f64,
     },
     /// The factor does not fit into memory or into 32-bit indices.
     #[error("the factor of {unknowns} unknowns is too large ({reason}); use `faer-cg`")]

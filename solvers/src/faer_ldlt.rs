@@ -21,7 +21,7 @@ pub(crate) const BACKEND: Backend = Backend {
 };
 
 fn build(options: &Options<'_>) -> Result<Box<dyn LinearSolver>, SpecError> {
-    Ok(Box::new(Direct::new(&BACKEND, Kind::Ldlt, options)))
+    Ok(Box::new(Direct::cholesky(&BACKEND, Kind::Ldlt, options)))
 }
 
 #[cfg(test)]

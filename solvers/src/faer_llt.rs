@@ -16,7 +16,7 @@ pub(crate) const BACKEND: Backend = Backend {
 };
 
 fn build(options: &Options<'_>) -> Result<Box<dyn LinearSolver>, SpecError> {
-    Ok(Box::new(Direct::new(&BACKEND, Kind::Llt, options)))
+    Ok(Box::new(Direct::cholesky(&BACKEND, Kind::Llt, options)))
 }
 
 #[cfg(test)]

@@ -13,17 +13,18 @@
 //! Every solution is checked against the residual computed afresh from the matrix, and every
 //! result has the same bits for any number of threads. The crate knows nothing of the physics.
 //!
-//! A new backend is one new module and one line in [`BACKENDS`].
+//! A new backend is one new module and one line in [`BACKENDS`], a new preconditioner of the Krylov
+//! backends one module and one line in [`PRECONDITIONERS`].
 
 mod auto;
 mod cholesky;
 mod direct;
 mod error;
 mod estimate;
-mod faer_adapter;
-mod faer_cg;
 mod faer_ldlt;
 mod faer_llt;
+mod faer_lu;
+mod krylov;
 mod matrix;
 mod ordering;
 mod partition;
@@ -33,6 +34,8 @@ mod problem;
 mod registry;
 mod report;
 mod share;
+#[cfg(test)]
+mod shelf_tests;
 mod spec;
 mod system;
 mod team;
@@ -46,10 +49,10 @@ pub use estimate::{FactorEstimate, Outline};
 pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
 pub use ordering::{Permutation, nested_dissection};
 pub use partition::Partition;
-
 pub use petsc::{
     PetscStatus, abort as petsc_abort, finish as petsc_finish, petsc_status, petsc_team,
 };
+pub use preconditioner::{PRECONDITIONERS, PreconditionerInfo};
 pub use problem::{Coordinates, NearNullspace, Problem, Symmetry};
 pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
 pub use report::{FactorPrediction, SolveReport, SolverCounters};
@@ -76,7 +79,8 @@ pub trait LinearSolver: Send {
     ///
     /// # Errors
     /// [`SolveError::NotAnalysed`], [`SolveError::PatternChanged`], [`SolveError::NotFinite`],
-    /// [`SolveError::Singular`], [`SolveError::NotPositiveDefinite`], [`SolveError::ZeroPivot`].
+    /// [`SolveError::Singular`], [`SolveError::NotPositiveDefinite`], [`SolveError::ZeroPivot`],
+    /// [`SolveError::IncompletePivot`].
     fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError>;
 
     /// Solves `matrix · x = rhs`. `matrix` must be the one last given to `refresh`.
@@ -85,8 +89,8 @@ pub trait LinearSolver: Send {
     /// return. After an error its content is of no use.
     ///
     /// # Errors
-    /// [`SolveError::NotConverged`], [`SolveError::Inaccurate`], [`SolveError::Breakdown`]
-    /// and the errors of `refresh`.
+    /// [`SolveError::NotConverged`], [`SolveError::Stagnated`], [`SolveError::Breakdown`],
+    /// [`SolveError::Inaccurate`] and the errors of `refresh`.
     fn solve(
         &mut self,
         matrix: CsrView<'_>,

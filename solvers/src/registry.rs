@@ -1,14 +1,20 @@
 //! The table of backends and the options they accept.
 
+use crate::krylov::{bicgstab, conjugate_gradient, gmres, minres};
 use crate::problem::Symmetry;
-use crate::{LinearSolver, SpecError, auto, faer_cg, faer_ldlt, faer_llt, petsc};
+use crate::{LinearSolver, SpecError, auto, faer_ldlt, faer_llt, faer_lu, petsc};
 
 /// Every backend that can be chosen by name.
 pub const BACKENDS: &[Backend] = &[
     auto::BACKEND,
     faer_llt::BACKEND,
     faer_ldlt::BACKEND,
-    faer_cg::BACKEND,
+    conjugate_gradient::BACKEND,
+    faer_lu::BACKEND,
+    minres::BACKEND,
+    gmres::BACKEND,
+    gmres::FLEXIBLE_BACKEND,
+    bicgstab::BACKEND,
     petsc::BACKEND,
 ];
 
@@ -174,7 +180,7 @@ impl<'a> Options<'a> {
     /// # Errors
     /// [`SpecError::InvalidValue`] if it is none.
     pub fn number(&self, key: &'static str) -> Result<f64, SpecError> {
-        self.parse(key, OptionValue::Positive)
+        self.parse(key)
     }
 
     /// The value of an option as a whole number.
@@ -182,22 +188,28 @@ impl<'a> Options<'a> {
     /// # Errors
     /// [`SpecError::InvalidValue`] if it is none.
     pub fn count(&self, key: &'static str) -> Result<usize, SpecError> {
-        self.parse(key, OptionValue::Count)
+        self.parse(key)
     }
 
-    fn parse<T: std::str::FromStr>(
-        &self,
-        option: &'static str,
-        kind: OptionValue,
-    ) -> Result<T, SpecError> {
+    fn parse<T: std::str::FromStr>(&self, option: &'static str) -> Result<T, SpecError> {
         let value = self.choice(option);
-        value.parse().map_err(|_| SpecError::InvalidValue {
+        value.parse().map_err(|_| self.invalid(option))
+    }
+
+    /// The error for a value that the check of the option should have refused.
+    pub(crate) fn invalid(&self, option: &'static str) -> SpecError {
+        let known = self
+            .backend
+            .options
+            .iter()
+            .find(|known| known.key == option);
+        SpecError::InvalidValue {
             solver: self.backend.name,
             option,
-            value: value.into(),
+            value: self.choice(option).into(),
             suggestion: String::new(),
-            valid: kind.describe(),
-        })
+            valid: known.map_or_else(String::new, |known| known.value.describe()),
+        }
     }
 }
 

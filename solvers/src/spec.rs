@@ -208,7 +208,7 @@ mod tests {
         assert!(option.contains("did you mean `tolerance`?"), "{option}");
         let value = error("faer-cg:preconditioner=stael").to_string();
         assert!(value.contains("did you mean `stale`?"), "{value}");
-        assert!(value.contains("jacobi, stale, none"), "{value}");
+        assert!(value.contains("none, jacobi, block-jacobi, ic0"), "{value}");
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub(crate) struct System {
     solver: &'static str,
     pattern: Option<Fingerprint>,
     share: Share,
+    /// Whether the backend treats matrices that several processes share.
+    distributed: bool,
     ready: bool,
     diagonal: Vec<f64>,
     inverse_diagonal: Vec<f64>,
@@ -49,10 +51,19 @@ impl System {
             solver,
             pattern: None,
             share: Share::default(),
+            distributed: false,
             ready: false,
             diagonal: Vec::new(),
             inverse_diagonal: Vec::new(),
             residual: Vec::new(),
+        }
+    }
+
+    /// The same for a backend that treats matrices shared by several processes.
+    pub(crate) fn distributed(self) -> Self {
+        Self {
+            distributed: true,
+            ..self
         }
     }
 
@@ -74,6 +85,15 @@ impl System {
                     list(supported),
                     elsewhere(problem.symmetry)
                 ),
+            });
+        }
+        if problem.partition.is_some() && !self.distributed {
+            return Err(SolveError::Refused {
+                solver: self.solver,
+                symmetry: problem.symmetry,
+                advice: "several processes share it, and this solver works in one; choose `petsc` \
+                         or `auto`, or start one process"
+                    .into(),
             });
         }
         self.pattern = Some(Fingerprint::of(problem.pattern));
@@ -107,6 +127,12 @@ impl System {
         self.ready = false;
     }
 
+    /// Declares that the analysis failed after all; nothing works before the next one.
+    pub(crate) fn forget(&mut self) {
+        self.pattern = None;
+        self.ready = false;
+    }
+
     /// The diagonal must be positive for a positive definite matrix.
     pub(crate) fn check_diagonal(&self) -> Result<(), SolveError> {
         let negative = |row: &usize| self.share.owns(*row) && self.diagonal[*row] <= 0.0;
@@ -117,11 +143,6 @@ impl System {
                 diagonal: self.diagonal[row],
             })
         }))
-    }
-
-    /// Inverse of the diagonal, 1 where the diagonal is 0.
-    pub(crate) fn inverse_diagonal(&self) -> &[f64] {
-        &self.inverse_diagonal
     }
 
     /// Checks everything given to a solve.
@@ -220,7 +241,9 @@ fn same_pattern(matrix: CsrView<'_>, expected: Fingerprint) -> Result<(), SolveE
 fn elsewhere(symmetry: Symmetry) -> &'static str {
     match symmetry {
         Symmetry::QuasiDefinite => "; `faer-ldlt` and `auto` solve this one",
-        _ => "",
+        Symmetry::Indefinite => "; `minres`, `gmres` and `faer-lu` solve this one",
+        Symmetry::General => "; `gmres`, `bicgstab` and `faer-lu` solve this one",
+        Symmetry::PositiveDefinite => "",
     }
 }
 

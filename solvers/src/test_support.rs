@@ -79,6 +79,82 @@ pub(crate) fn wide_stencil(
     triplets.to_csr()
 }
 
+/// [K, −Qᵀ; −Q, −S] with unknowns (u, v, p) at each point. K is a wide stencil times `stiffness`;
+/// Q is a discrete gradient, whose entries within a point are 0; S is `storage` times 1.
+pub(crate) fn biot(cloud: &Cloud, stiffness: f64, storage: f64) -> CsrMatrix {
+    const HORIZON: f64 = 2.3;
+    let points = cloud.points();
+    let mut triplets = sprs::TriMatI::<f64, u32>::new((3 * points, 3 * points));
+    for (value, (row, column)) in wide_stencil(cloud, 2, HORIZON, 4).iter() {
+        let unknown = |index: u32| (index / 2 * 3 + index % 2) as usize;
+        triplets.add_triplet(unknown(row), unknown(column), stiffness * value);
+    }
+    for a in 0..points {
+        triplets.add_triplet(3 * a + 2, 3 * a + 2, -storage);
+        for b in (0..points).filter(|b| *b != a) {
+            let bond = [0, 1].map(|c| cloud.coordinates[2 * b + c] - cloud.coordinates[2 * a + c]);
+            let length = bond[0].hypot(bond[1]);
+            for (component, part) in bond.iter().enumerate().filter(|_| length < HORIZON) {
+                triplets.add_triplet(3 * b + 2, 3 * a + component, -part / length);
+                triplets.add_triplet(3 * a + component, 3 * b + 2, -part / length);
+            }
+        }
+    }
+    triplets.to_csr()
+}
+
+/// Upwind transport and diffusion on a grid: not symmetric, but solvable by every method.
+pub(crate) fn transport(columns: usize, rows: usize) -> CsrMatrix {
+    let mut a = grid_laplacian(columns, rows, 0.1);
+    for (row, mut vector) in a.outer_iterator_mut().enumerate() {
+        for (column, value) in vector.iter_mut() {
+            if column + 1 == row {
+                *value -= 0.7 + 0.2 * noise(row);
+            } else if column == row {
+                *value += 1.0;
+            }
+        }
+    }
+    a
+}
+
+/// A tridiagonal matrix with these entries left, on and right of the diagonal.
+pub(crate) fn tridiagonal(size: usize, left: f64, centre: f64, right: f64) -> CsrMatrix {
+    let mut triplets = sprs::TriMatI::<f64, u32>::new((size, size));
+    for i in 0..size {
+        triplets.add_triplet(i, i, centre + 0.1 * noise(i));
+        if i + 1 < size {
+            triplets.add_triplet(i + 1, i, left);
+            triplets.add_triplet(i, i + 1, right);
+        }
+    }
+    triplets.to_csr()
+}
+
+/// A matrix from its dense rows; zeros are not stored, except on the diagonal.
+pub(crate) fn from_dense<const N: usize>(rows: [[f64; N]; N]) -> CsrMatrix {
+    let mut triplets = sprs::TriMatI::<f64, u32>::new((N, N));
+    for (i, row) in rows.iter().enumerate() {
+        for (j, value) in row.iter().enumerate() {
+            if i == j || value.abs() > 0.0 {
+                triplets.add_triplet(i, j, *value);
+            }
+        }
+    }
+    triplets.to_csr()
+}
+
+/// A solver that has analysed and refreshed a problem; its pattern is the matrix.
+pub(crate) fn ready(
+    spec: &str,
+    problem: &Problem<'_>,
+) -> Result<Box<dyn crate::LinearSolver>, crate::SolveError> {
+    let mut solver = spec.parse::<SolverSpec>().unwrap().build().unwrap();
+    solver.analyse(problem)?;
+    solver.refresh(problem.pattern)?;
+    Ok(solver)
+}
+
 /// Five-point Laplacian on a grid with zero values around it, plus `shift` on the diagonal.
 pub(crate) fn grid_laplacian(columns: usize, rows: usize, shift: f64) -> CsrMatrix {
     let points = columns * rows;

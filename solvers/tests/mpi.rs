@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use perifrac_solvers::{
     Coordinates, CsrMatrix, NearNullspace, Partition, Problem, SolveError, SolverSpec, Symmetry,
-    Team, finish, norm2, petsc_status, petsc_team,
+    Team, norm2, petsc_finish as finish, petsc_status, petsc_team,
 };
 
 /// Set where PETSc and `mpirun` must be there; elsewhere this test is skipped.

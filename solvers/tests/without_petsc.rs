@@ -5,7 +5,8 @@
 use std::process::Command;
 
 use perifrac_solvers::{
-    CsrMatrix, Problem, SolveError, SolverSpec, Symmetry, finish, petsc_status, petsc_team,
+    CsrMatrix, Problem, SolveError, SolverSpec, Symmetry, petsc_finish as finish, petsc_status,
+    petsc_team,
 };
 
 /// Names the file of the library; here one that does not exist.

@@ -4,7 +4,7 @@ use super::*;
 use crate::test_support::{grid_laplacian, jittered_grid, positive_definite, wide_stencil};
 
 fn fill(problem: &Problem<'_>, ordering: Ordering) -> u64 {
-    prediction(&symbolic(problem, ordering).unwrap()).nonzeros
+    prediction::<f64>(&symbolic(problem, ordering).unwrap()).nonzeros
 }
 
 #[test]
@@ -52,8 +52,9 @@ fn a_tridiagonal_matrix_without_reordering_gain_has_no_fill() {
 
 #[test]
 fn a_slender_cloud_is_swept_where_that_takes_fewer_operations() {
-    let flops =
-        |problem: &Problem<'_>, ordering| prediction(&symbolic(problem, ordering).unwrap()).flops;
+    let flops = |problem: &Problem<'_>, ordering| {
+        prediction::<f64>(&symbolic(problem, ordering).unwrap()).flops
+    };
     // A strip little wider than the reach, and one much wider.
     for (columns, rows, horizon, swept) in [(150, 10, 4.6, true), (200, 80, 1.5, false)] {
         let cloud = jittered_grid(columns, rows, 0.2);

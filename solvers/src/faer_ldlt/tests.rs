@@ -3,30 +3,6 @@
 use crate::test_support::*;
 use crate::{CsrMatrix, LinearSolver, Problem, SolveError, SolverSpec, Symmetry};
 
-/// [K, −Qᵀ; −Q, −S] with unknowns (u, v, p) at each point. K is a wide stencil times `stiffness`;
-/// Q is a discrete gradient, whose entries within a point are 0; S is `storage` times 1.
-fn biot(cloud: &Cloud, stiffness: f64, storage: f64) -> CsrMatrix {
-    const HORIZON: f64 = 2.3;
-    let points = cloud.points();
-    let mut triplets = sprs::TriMatI::<f64, u32>::new((3 * points, 3 * points));
-    for (value, (row, column)) in wide_stencil(cloud, 2, HORIZON, 4).iter() {
-        let unknown = |index: u32| (index / 2 * 3 + index % 2) as usize;
-        triplets.add_triplet(unknown(row), unknown(column), stiffness * value);
-    }
-    for a in 0..points {
-        triplets.add_triplet(3 * a + 2, 3 * a + 2, -storage);
-        for b in (0..points).filter(|b| *b != a) {
-            let bond = [0, 1].map(|c| cloud.coordinates[2 * b + c] - cloud.coordinates[2 * a + c]);
-            let length = bond[0].hypot(bond[1]);
-            for (component, part) in bond.iter().enumerate().filter(|_| length < HORIZON) {
-                triplets.add_triplet(3 * b + 2, 3 * a + component, -part / length);
-                triplets.add_triplet(3 * a + component, 3 * b + 2, -part / length);
-            }
-        }
-    }
-    triplets.to_csr()
-}
-
 fn analysed(spec: &str, a: &CsrMatrix, cloud: &Cloud, per_point: usize) -> Box<dyn LinearSolver> {
     let mut solver = spec.parse::<SolverSpec>().unwrap().build().unwrap();
     let problem = Problem {

@@ -67,7 +67,7 @@ fn build(options: &Options<'_>) -> Result<Box<dyn LinearSolver>, SpecError> {
     Ok(Box::new(Petsc {
         flags,
         tolerance,
-        system: System::new(NAME),
+        system: System::new(NAME).distributed(),
         work: None,
         counters: SolverCounters::default(),
     }))

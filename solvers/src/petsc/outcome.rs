@@ -54,10 +54,25 @@ pub(crate) fn of_solve(failure: Failure, iterations: usize) -> Result<(), SolveE
     match failure {
         // The residual measured afterwards decides.
         Failure::Iterations | Failure::Divergence => Ok(()),
-        Failure::IndefinitePreconditioner | Failure::IndefiniteMatrix => {
-            Err(SolveError::Breakdown { iterations })
-        }
+        Failure::IndefinitePreconditioner => Err(broke_down(
+            "the preconditioner is not positive definite",
+            iterations,
+        )),
+        Failure::IndefiniteMatrix => Err(broke_down(
+            "the matrix is not positive definite",
+            iterations,
+        )),
         other => Err(failed("the iteration", other)),
+    }
+}
+
+fn broke_down(cause: &'static str, iterations: usize) -> SolveError {
+    SolveError::Breakdown {
+        method: NAME,
+        iterations,
+        cause,
+        advice: "try petsc:-ksp_type minres or -ksp_type gmres, or `faer-llt`, which names the row"
+            .into(),
     }
 }
 

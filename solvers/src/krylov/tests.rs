@@ -1,4 +1,4 @@
-//! Tests of conjugate gradients and of the kept factor.
+//! Tests of the driver, with conjugate gradients and the kept factor.
 
 use crate::test_support::*;
 use crate::{SolveError, SolverSpec};

@@ -1,0 +1,45 @@
+//! Options that all Krylov backends have.
+
+use crate::registry::{OptionSpec, OptionValue};
+
+const TOLERANCE: OptionSpec = OptionSpec {
+    key: "tolerance",
+    value: OptionValue::Positive,
+    default: "1e-12",
+    meaning: "true relative residual to reach",
+};
+const MAX_ITERATIONS: OptionSpec = OptionSpec {
+    key: "max_iterations",
+    value: OptionValue::Count,
+    default: "10000",
+    meaning: "iterations of one solve, over all restarts",
+};
+const REFACTOR_ABOVE: OptionSpec = OptionSpec {
+    key: "refactor_above",
+    value: OptionValue::Count,
+    default: "12",
+    meaning: "stale: renew the factor after a solve with more iterations",
+};
+const RESTART: OptionSpec = OptionSpec {
+    key: "restart",
+    value: OptionValue::Count,
+    default: "60",
+    meaning: "vectors of the basis before it is thrown away; memory grows with it",
+};
+
+/// The options of a method with short recurrences, for these preconditioners.
+pub(super) const fn options(words: &'static [&'static str]) -> [OptionSpec; 4] {
+    let preconditioner = OptionSpec {
+        key: "preconditioner",
+        value: OptionValue::OneOf(words),
+        default: "jacobi",
+        meaning: "approximate inverse of the matrix that speeds up the iteration",
+    };
+    [preconditioner, TOLERANCE, MAX_ITERATIONS, REFACTOR_ABOVE]
+}
+
+/// The options of a method that restarts.
+pub(super) const fn options_with_restart(words: &'static [&'static str]) -> [OptionSpec; 5] {
+    let [preconditioner, tolerance, limit, refactor] = options(words);
+    [preconditioner, tolerance, limit, refactor, RESTART]
+}
