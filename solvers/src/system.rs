@@ -350,7 +350,8 @@ mod tests {
             symmetry: Symmetry::General,
             ..positive_definite(&a, None, 1)
         };
-        for spec in ALL {
+        // `auto` has a backend for every symmetry.
+        for spec in ALL.into_iter().filter(|spec| *spec != "auto") {
             let refused = fresh(spec).analyse(&problem).unwrap_err();
             assert!(matches!(
                 refused,

@@ -1,6 +1,6 @@
 //! `perifrac solvers`.
 
-use perifrac_solvers::BACKENDS;
+use perifrac_solvers::{BACKENDS, Backend, PRECONDITIONERS, PetscStatus, SolveError, petsc_status};
 
 use super::exit::{Failure, print};
 
@@ -8,24 +8,52 @@ use super::exit::{Failure, print};
 #[derive(Debug, clap::Args)]
 pub struct Args {}
 
-/// Lists solvers and options.
+/// Lists solvers, preconditioners and what PETSc is there.
 pub fn run(_args: &Args) -> Result<(), Failure> {
-    let mut text =
-        String::from("Choose with --solver NAME or --solver NAME:key=value,key=value\n\n");
+    let mut text = String::from(
+        "Choose with --solver NAME, --solver NAME:key=value,key=value, or\n\
+         --solver \"petsc:-flag value ...\"\n\n",
+    );
     for backend in BACKENDS {
-        text += &format!("{:10} {}\n", backend.name, backend.summary);
-        let kinds: Vec<String> = backend.symmetries.iter().map(ToString::to_string).collect();
-        text += &format!("{:10}   for {} systems\n", "", kinds.join(", "));
-        for option in backend.options {
-            text += &format!(
-                "{:10}   {}={} (default {}): {}\n",
-                "",
-                option.key,
-                option.value.describe(),
-                option.default,
-                option.meaning
-            );
-        }
+        text += &describe(backend);
     }
+    text += "\nPreconditioners\n";
+    for own in PRECONDITIONERS {
+        text += &format!("  {:14} {}\n", own.name, own.meaning);
+    }
+    text += &petsc(petsc_status());
     print(&text)
+}
+
+fn describe(backend: &Backend) -> String {
+    let kinds: Vec<String> = backend.symmetries.iter().map(ToString::to_string).collect();
+    let mut text = format!("{:13} {}\n", backend.name, backend.summary);
+    text += &format!("{:13}   for {} systems\n", "", kinds.join(", "));
+    for option in backend.options {
+        let default = match option.default {
+            "" => String::new(),
+            default => format!(" (default {default})"),
+        };
+        text += &format!(
+            "{:13}   {}={}{default}: {}\n",
+            "",
+            option.key,
+            option.value.describe(),
+            option.meaning
+        );
+    }
+    text
+}
+
+fn petsc(status: Result<PetscStatus, SolveError>) -> String {
+    match status {
+        Ok(found) => format!(
+            "\nPETSc {} in {}\n  with {}\n  processes: {} (start more with mpirun -n P)\n",
+            found.version,
+            found.path,
+            found.packages.join(", "),
+            found.processes
+        ),
+        Err(error) => format!("\nPETSc is not there: {error}\n"),
+    }
 }

@@ -80,7 +80,15 @@ fn a_case_that_was_written_runs_from_its_file() {
 #[test]
 fn the_solvers_are_listed_with_their_options() {
     let text = Place::new().succeed(&["solvers"]);
-    for word in ["faer-llt", "faer-cg", "auto", "preconditioner="] {
+    for word in [
+        "faer-llt",
+        "faer-cg",
+        "auto",
+        "preconditioner=",
+        "Preconditioners",
+        "petsc",
+        "\nPETSc ",
+    ] {
         assert!(text.contains(word), "{word}: {text}");
     }
 }

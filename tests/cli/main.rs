@@ -12,6 +12,7 @@ mod fault_texts;
 mod folders;
 mod interrupt;
 mod listings;
+mod processes;
 mod repeats;
 mod runs;
 mod support;
