@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::process::Command;
+use std::process::{Command, Output};
 use std::sync::Arc;
 
 use perifrac_solvers::{
     Coordinates, CsrMatrix, NearNullspace, Partition, Problem, SolveError, SolverSpec, Symmetry,
-    Team, norm2, petsc_finish as finish, petsc_status, petsc_team,
+    Team, norm2, petsc_abort as abort, petsc_finish as finish, petsc_status, petsc_team,
 };
 
 /// Set where PETSc and `mpirun` must be there; elsewhere this test is skipped.
@@ -287,49 +287,78 @@ fn worker() {
     finish();
 }
 
+/// What every process does where one of them fails alone: the others wait for it in vain.
+#[test]
+fn stopper() {
+    if std::env::var_os(WORKER).is_none() {
+        return;
+    }
+    match petsc_team() {
+        Err(error) => println!("{UNAVAILABLE}{error}"),
+        Ok(team) if team.rank() == 1 => abort(3),
+        Ok(team) => team.sum(&mut [1.0]),
+    }
+}
+
 #[test]
 fn solutions_do_not_depend_on_the_number_of_processes() {
     if std::env::var_os(WORKER).is_some() {
         return;
     }
     for processes in 1..=4 {
-        let outcome = start(processes);
-        if let Err(reason) = outcome {
-            let required = std::env::var_os(REQUIRED).is_some();
-            assert!(!required, "{REQUIRED} is set, but {reason}");
-            eprintln!("skipped: {reason}");
+        let Some(output) = start("worker", processes) else {
             return;
-        }
+        };
+        let told = String::from_utf8_lossy(&output.stdout);
+        let failed = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.success(),
+            "{processes} processes\n{told}\n{failed}"
+        );
+        assert_eq!(
+            told.matches("1 passed").count(),
+            processes,
+            "{told}\n{failed}"
+        );
     }
 }
 
-/// Starts the workers. An error is a reason to skip them.
-fn start(processes: usize) -> Result<(), String> {
+#[test]
+fn one_process_can_stop_all() {
+    if std::env::var_os(WORKER).is_some() {
+        return;
+    }
+    if let Some(output) = start("stopper", 3) {
+        assert_eq!(output.status.code(), Some(3), "{output:?}");
+    }
+}
+
+/// Runs a test of this program in so many processes; nothing where PETSc or `mpirun` is missing.
+fn start(test: &str, processes: usize) -> Option<Output> {
     let output = Command::new("mpirun")
         .args(["--oversubscribe", "--timeout", "300", "-n"])
         .arg(processes.to_string())
         .arg(std::env::current_exe().unwrap())
-        .args(["--exact", "worker", "--nocapture"])
+        .args(["--exact", test, "--nocapture"])
         .env(WORKER, "1")
         .env("RAYON_NUM_THREADS", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
         .env("OMPI_MCA_mpi_yield_when_idle", "1")
-        .output()
-        .map_err(|error| format!("mpirun: {error}"))?;
-    let told = String::from_utf8_lossy(&output.stdout);
-    if let Some((_, reason)) = told.split_once(UNAVAILABLE) {
-        return Err(reason.lines().next().unwrap_or("").into());
+        .output();
+    let unavailable = match &output {
+        Err(error) => Some(format!("mpirun: {error}")),
+        Ok(output) => {
+            let told = String::from_utf8_lossy(&output.stdout);
+            let reason = told.split_once(UNAVAILABLE);
+            reason.map(|(_, reason)| reason.lines().next().unwrap_or("").into())
+        }
+    };
+    if let Some(reason) = unavailable {
+        let required = std::env::var_os(REQUIRED).is_some();
+        assert!(!required, "{REQUIRED} is set, but {reason}");
+        eprintln!("skipped: {reason}");
+        return None;
     }
-    let failed = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.success(),
-        "{processes} processes\n{told}\n{failed}"
-    );
-    assert_eq!(
-        told.matches("1 passed").count(),
-        processes,
-        "{told}\n{failed}"
-    );
-    Ok(())
+    output.ok()
 }

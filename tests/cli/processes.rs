@@ -70,9 +70,15 @@ fn table(place: &Place, name: &str) -> Vec<(String, Vec<f64>)> {
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let heading = lines.next().unwrap();
     let rows: Vec<Vec<&str>> = lines.collect();
-    let column = |k: usize| rows.iter().map(|row| row[k].parse().unwrap_or(f64::NAN)).collect();
+    let column = |k: usize| {
+        rows.iter()
+            .map(|row| row[k].parse().unwrap_or(f64::NAN))
+            .collect()
+    };
     let columns = heading.iter().enumerate();
-    columns.map(|(k, name)| ((*name).to_owned(), column(k))).collect()
+    columns
+        .map(|(k, name)| ((*name).to_owned(), column(k)))
+        .collect()
 }
 
 /// Pressures and displacements along the column agree to the tolerance of the solvers.

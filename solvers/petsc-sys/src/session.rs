@@ -243,10 +243,8 @@ fn describe(loaded: Loaded) -> Result<Session, PetscError> {
     if codes != [0; 3] {
         return Err(PetscError::Start(format!("MPI gives {codes:?}")));
     }
-    let _ = STOP.set(Stop {
-        abort: api.MPI_Abort,
-        team,
-    });
+    let abort = api.MPI_Abort;
+    let _ = STOP.set(Stop { abort, team });
     Ok(Session {
         info: Info {
             version,

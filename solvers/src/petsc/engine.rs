@@ -73,16 +73,15 @@ impl Engine {
         layout: &Layout,
         pattern: &Pattern,
     ) -> Result<Self, PetscError> {
-        let processes = check_team(session, problem)?;
-        let nature = Nature::of(problem, processes, &session.info().packages);
+        let packages = &session.info().packages;
+        let nature = Nature::of(problem, check_team(session, problem)?, packages);
         let comm = layout.comm();
-        let rows = Rows {
-            starts: &pattern.starts,
-            columns: &pattern.columns,
-            size: layout.size(),
-            block: layout.per_point(),
-        };
-        let mut matrix = Matrix::new(session, comm, &rows, kind(problem.symmetry))?;
+        let mut matrix = Matrix::new(
+            session,
+            comm,
+            &rows(layout, pattern),
+            kind(problem.symmetry),
+        )?;
         let mut solver = Solver::new(session, comm, &flags.defaults(&nature), &flags.text)?;
         solver.set_matrix(&matrix)?;
         if nature.rigid_modes {
@@ -96,20 +95,15 @@ impl Engine {
         if knows_true_residual(&method) && !flags.has("-ksp_norm_type") {
             solver.use_true_residual()?;
         }
-        let factorises = ["lu", "cholesky"].contains(&solver.preconditioner()?.as_str());
+        let vector = || Vector::new(session, comm, layout.rows(), layout.per_point());
         Ok(Self {
+            direct: is_direct(&method, &solver.preconditioner()?),
             matrix,
             solver,
-            rhs: Vector::new(session, comm, layout.rows(), layout.per_point())?,
-            x: Vector::new(session, comm, layout.rows(), layout.per_point())?,
-            direct: method == "preonly" && factorises,
+            rhs: vector()?,
+            x: vector()?,
             checked: [false; 2],
-            aggregates: Aggregates {
-                by_user: flags.has("-pc_gamg_reuse_interpolation"),
-                kept: false,
-                fresh: None,
-                last: 0.0,
-            },
+            aggregates: Aggregates::new(flags),
         })
     }
 
@@ -195,6 +189,15 @@ impl Engine {
 }
 
 impl Aggregates {
+    fn new(flags: &Flags) -> Self {
+        Self {
+            by_user: flags.has("-pc_gamg_reuse_interpolation"),
+            kept: false,
+            fresh: None,
+            last: 0.0,
+        }
+    }
+
     fn note(&mut self, iterations: usize, aim: f64) {
         self.last = iterations as f64 / -aim.log10();
         self.fresh.get_or_insert(self.last);
@@ -217,6 +220,20 @@ fn check_team(session: &Session, problem: &Problem<'_>) -> Result<usize, PetscEr
         info.rank,
         info.size
     )))
+}
+
+/// Whether a solution is that of a factorisation.
+fn is_direct(method: &str, preconditioner: &str) -> bool {
+    method == "preonly" && ["lu", "cholesky"].contains(&preconditioner)
+}
+
+fn rows<'a>(layout: &Layout, pattern: &'a Pattern) -> Rows<'a> {
+    Rows {
+        starts: &pattern.starts,
+        columns: &pattern.columns,
+        size: layout.size(),
+        block: layout.per_point(),
+    }
 }
 
 fn kind(symmetry: Symmetry) -> Kind {

@@ -231,7 +231,10 @@ impl LinearSolver for Petsc {
     fn analyse(&mut self, problem: &Problem<'_>) -> Result<(), SolveError> {
         self.work = None;
         self.system.analyse(problem, BACKEND.symmetries)?;
-        let (layout, pattern) = Layout::of(problem)?;
+        let laid_out = Layout::of(problem);
+        let known = laid_out.as_ref().map(|_| ()).map_err(Clone::clone);
+        self.system.agree(known)?;
+        let (layout, pattern) = laid_out?;
         let flags = &self.flags;
         let (engine, direct) = engine::on_thread(flags, |session| {
             let engine = Engine::new(session, flags, problem, &layout, &pattern)?;
@@ -298,5 +301,7 @@ impl LinearSolver for Petsc {
     }
 }
 
+#[cfg(test)]
+mod failure_tests;
 #[cfg(test)]
 mod tests;

@@ -7,6 +7,8 @@ use crate::problem::{NearNullspace, Problem, Symmetry};
 const TOLERANCE: f64 = 1e-12;
 /// Positive definite systems up to this size are factorised.
 const DIRECT_LIMIT: usize = 5_000;
+/// Monolithic systems up to this size, in the plane and in space, are factorised.
+const MONOLITHIC_LIMIT: [usize; 2] = [50_000, 15_000];
 /// Methods that can judge convergence by the true residual.
 const TRUE_RESIDUAL: [&str; 14] = [
     "cg",
@@ -42,6 +44,8 @@ pub(crate) struct Nature {
     pub(crate) rigid_modes: bool,
     /// The unknowns of a point are a displacement and a pressure.
     pub(crate) blocks: bool,
+    /// Points lie in space.
+    pub(crate) spatial: bool,
     pub(crate) processes: usize,
     pub(crate) has_mumps: bool,
     pub(crate) has_hypre: bool,
@@ -58,6 +62,7 @@ impl Nature {
             unknowns: problem.unknowns(),
             rigid_modes: rigid && problem.unknowns_per_point == dimension,
             blocks: rigid && problem.unknowns_per_point == dimension + 1,
+            spatial: dimension == 3,
             processes,
             has_mumps: packages.contains(&"mumps"),
             has_hypre: packages.contains(&"hypre"),
@@ -179,6 +184,9 @@ impl Nature {
         let possible = self.has_mumps || self.processes == 1;
         match self.symmetry {
             Symmetry::PositiveDefinite => possible && self.unknowns <= DIRECT_LIMIT,
+            Symmetry::QuasiDefinite if self.blocks && self.has_hypre => {
+                possible && self.unknowns <= MONOLITHIC_LIMIT[usize::from(self.spatial)]
+            }
             _ => possible,
         }
     }
@@ -208,4 +216,89 @@ const BLOCKS: [(&str, &str); 7] = [
 /// Whether a method can judge convergence by the true residual.
 pub(crate) fn knows_true_residual(method: &str) -> bool {
     TRUE_RESIDUAL.contains(&method)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NATURE: Nature = Nature {
+        symmetry: Symmetry::PositiveDefinite,
+        unknowns: 1_000_000,
+        rigid_modes: true,
+        blocks: false,
+        spatial: false,
+        processes: 4,
+        has_mumps: true,
+        has_hypre: true,
+    };
+
+    /// Method and preconditioner that result from flags.
+    fn chosen(text: &str, nature: Nature) -> (String, String) {
+        let flags = Flags::parse(text);
+        let defaults = flags.defaults(&nature);
+        let default = |flag| defaults.iter().find(|(name, _)| *name == flag);
+        let value = |flag| {
+            let default = default(flag).map(|(_, value)| value.as_str());
+            flags.value(flag).or(default).unwrap_or("").to_string()
+        };
+        (value("-ksp_type"), value("-pc_type"))
+    }
+
+    fn pair(method: &str, preconditioner: &str) -> (String, String) {
+        (method.into(), preconditioner.into())
+    }
+
+    #[test]
+    fn words_that_begin_with_a_dash_and_a_letter_are_flags() {
+        let flags = Flags::parse("-pc_gamg_threshold -1  -ksp_view -ksp_type cg -ksp_type minres");
+        assert_eq!(flags.value("-pc_gamg_threshold"), Some("-1"));
+        assert_eq!(flags.value("-ksp_view"), None);
+        assert_eq!(flags.value("-ksp_type"), Some("minres"));
+        assert!(flags.has("-ksp_view") && !flags.has("-1"));
+        let unused = ["ksp_view", "ksp_type", "pc_type"].map(String::from);
+        assert_eq!(flags.missed(&unused), ["-ksp_type"]);
+    }
+
+    #[test]
+    fn large_systems_are_iterated_and_small_ones_factorised() {
+        assert_eq!(chosen("", NATURE), pair("cg", "gamg"));
+        let small = Nature {
+            unknowns: 3_000,
+            ..NATURE
+        };
+        assert_eq!(chosen("", small), pair("preonly", "cholesky"));
+        let no_package = Nature {
+            has_mumps: false,
+            ..small
+        };
+        assert_eq!(chosen("", no_package), pair("cg", "gamg"));
+        let general = Nature {
+            symmetry: Symmetry::General,
+            ..NATURE
+        };
+        assert_eq!(chosen("", general), pair("preonly", "lu"));
+        let monolithic = Nature {
+            symmetry: Symmetry::QuasiDefinite,
+            blocks: true,
+            rigid_modes: false,
+            unknowns: 20_000,
+            ..NATURE
+        };
+        assert_eq!(chosen("", monolithic), pair("preonly", "cholesky"));
+        let spatial = Nature {
+            spatial: true,
+            ..monolithic
+        };
+        assert_eq!(chosen("", spatial), pair("fgmres", "fieldsplit"));
+    }
+
+    #[test]
+    fn what_is_given_is_completed_by_what_goes_with_it() {
+        assert_eq!(chosen("-pc_type hypre", NATURE), pair("cg", "hypre"));
+        assert_eq!(chosen("-pc_type lu", NATURE), pair("preonly", "lu"));
+        let preonly = chosen("-ksp_type preonly", NATURE);
+        assert_eq!(preonly, pair("preonly", "cholesky"));
+        assert_eq!(chosen("-ksp_type minres", NATURE), pair("minres", "gamg"));
+    }
 }

@@ -5,7 +5,7 @@ use crate::{Coordinates, CsrMatrix, NearNullspace, SolverSpec};
 /// Set where PETSc must be there; elsewhere its tests are skipped.
 const REQUIRED: &str = "PERIFRAC_REQUIRE_PETSC";
 
-fn missing() -> bool {
+pub(super) fn missing() -> bool {
     let Err(error) = petsc_status() else {
         return false;
     };
@@ -17,7 +17,7 @@ fn missing() -> bool {
     true
 }
 
-fn solver(spec: &str) -> Box<dyn LinearSolver> {
+pub(super) fn solver(spec: &str) -> Box<dyn LinearSolver> {
     spec.parse::<SolverSpec>().unwrap().build().unwrap()
 }
 
@@ -273,76 +273,44 @@ fn right_hand_sides_of_any_size_are_solved() {
     }
 }
 
-/// The error of a solver on a matrix that is said to be positive definite.
-fn error(spec: &str, matrix: &CsrMatrix, symmetry: Symmetry) -> SolveError {
-    let mut solver = solver(spec);
-    let problem = Problem::new(matrix.view(), symmetry, 1);
-    let rhs = noisy_vector(matrix.rows());
-    let outcome = solver
-        .analyse(&problem)
-        .and_then(|()| solver.refresh(matrix.view()))
-        .and_then(|()| solver.solve(matrix.view(), &rhs, &mut vec![0.0; matrix.rows()]));
-    outcome.unwrap_err()
-}
-
-#[test]
-fn mistakes_in_flags_are_named() {
-    if missing() {
-        return;
-    }
-    let matrix = grid_laplacian(4, 3, 0.0);
-    let definite = Symmetry::PositiveDefinite;
-    let unknown = error("petsc:-ksp_type cgg", &matrix, definite).to_string();
-    assert!(unknown.contains("cgg"), "{unknown}");
-    let unused = error(
-        "petsc:-pc_type jacobi -pc_gamg_treshold 1 -ksp_view",
-        &matrix,
-        definite,
-    );
-    let expected = SolveError::UnusedFlags {
-        solver: "petsc",
-        flags: "-pc_gamg_treshold".into(),
+/// Iterations on an intact matrix and, with its aggregates or afresh, on one with contrasts.
+fn iterations(flags: &str, matrices: &[&CsrMatrix], cloud: &Cloud) -> (Vec<usize>, SolverCounters) {
+    let mut solver = solver(&format!("petsc:-pc_type gamg {flags}"));
+    let problem = positive_definite(matrices[0], Some(cloud), 1);
+    solver.analyse(&problem).unwrap();
+    let solve = |matrix: &&CsrMatrix| {
+        solver.refresh(matrix.view()).unwrap();
+        let (rhs, mut x) = (noisy_vector(matrix.rows()), vec![0.0; matrix.rows()]);
+        let report = solver.solve(matrix.view(), &rhs, &mut x);
+        report
+            .unwrap_or_else(|error| panic!("{flags}: {error}"))
+            .iterations
     };
-    assert_eq!(unused, expected);
+    let counts = matrices.iter().map(solve).collect();
+    (counts, solver.counters().clone())
 }
 
 #[test]
-fn matrices_that_cannot_be_solved_are_named() {
+fn aggregates_are_kept_while_they_serve_and_made_anew_where_they_fail() {
     if missing() {
         return;
     }
-    let mut matrix = grid_laplacian(5, 1, 0.0);
-    matrix.data_mut()[0] = -1.0;
-    let (definite, indefinite) = (Symmetry::PositiveDefinite, Symmetry::Indefinite);
-    let negative = error("petsc", &matrix, definite);
+    let cloud = jittered_grid(60, 40, 0.2);
+    let intact = wide_stencil(&cloud, 1, 2.3, 5);
+    let mut damaged = intact.clone();
+    let soft = |point: usize| if noise(point / 7) < 0.0 { 1e-4 } else { 1.0 };
+    damage(&mut damaged, |i, j| soft(i) * soft(j), |i| 0.05 * soft(i));
+    let (kept, counters) = iterations("", &[&intact, &damaged], &cloud);
+    assert_eq!(counters.factorisations, 2);
+    let (fresh, _) = iterations("", &[&damaged], &cloud);
     assert!(
-        matches!(negative, SolveError::NotPositiveDefinite { row: 0, .. }),
-        "{negative}"
+        kept[1] > fresh[0] && fresh[0] >= kept[0],
+        "{kept:?} {fresh:?}"
     );
-    let path = |diagonal: f64| {
-        let mut matrix = grid_laplacian(5, 1, 0.0);
-        for row in 0..5 {
-            let place = matrix.nnz_index(row, row).unwrap().0;
-            matrix.data_mut()[place] = diagonal;
-        }
-        matrix
-    };
-    let saddle = error("petsc:-ksp_type cg -pc_type jacobi", &path(0.5), definite);
-    assert!(matches!(saddle, SolveError::Breakdown { .. }), "{saddle}");
-    let mut singular = path(1.0);
-    singular.data_mut().fill(1.0);
-    let singular = CsrMatrix::new(
-        (2, 2),
-        vec![0, 2, 4],
-        vec![0, 1, 0, 1],
-        singular.data()[..4].to_vec(),
-    );
-    for flags in ["", ":-pc_type lu -pc_factor_mat_solver_type petsc"] {
-        let pivot = error(&format!("petsc{flags}"), &singular, indefinite);
-        let known = matches!(
-            pivot,
-            SolveError::Failed { .. } | SolveError::Inaccurate { .. }
-        );
-        assert!(known, "{flags} {pivot}");
-    }
+    let limit = format!("-ksp_max_it {}", fresh[0]);
+    let (_, counters) = iterations(&limit, &[&intact, &damaged], &cloud);
+    assert_eq!(counters.factorisations, 3);
+    let by_user = "-pc_gamg_reuse_interpolation false";
+    let (renewed, _) = iterations(by_user, &[&intact, &damaged], &cloud);
+    assert_eq!(renewed[1], fresh[0]);
 }
