@@ -49,8 +49,8 @@ pub fn choose(problem: &Problem<'_>) -> Result<Choice, SolveError> {
         symmetry @ (Symmetry::Indefinite | Symmetry::General) => Err(SolveError::Refused {
             solver: NAME,
             symmetry,
-            advice: "no backend solves it; write it as a quasi-definite system or split it into \
-                     positive definite ones (staggered)"
+            advice: "write it as a quasi-definite system, split it into positive definite ones \
+                     (staggered), or choose `gmres` or `faer-lu` by name"
                 .into(),
         }),
     }
