@@ -119,10 +119,7 @@ impl<T: RealField> CholeskyFactor<T> {
         matrix: CsrView<'_>,
         entries: &[T],
     ) -> Result<(), SolveError> {
-        let length = self.symbolic.len_val();
-        if self.values.nrows() != length || self.values.ncols() == 0 {
-            self.values = Mat::zeros(length, 1);
-        }
+        self.reserve();
         let rows = Rows::new(&matrix);
         let view = SparseColMatRef::new(pattern_of(&matrix), entries);
         let (values, side) = (self.values.col_as_slice_mut(0), Side::Lower);
@@ -157,6 +154,14 @@ impl<T: RealField> CholeskyFactor<T> {
                 .map(|LdltError::ZeroPivot { index }| index),
         };
         failure.map_or(Ok(()), |index| Err(self.pivot_error(rows, index)))
+    }
+
+    /// Allocates the values with the first factorisation.
+    fn reserve(&mut self) {
+        let length = self.symbolic.len_val();
+        if self.values.nrows() != length || self.values.ncols() == 0 {
+            self.values = Mat::zeros(length, 1);
+        }
     }
 
     fn pivot_error(&self, rows: Rows<'_>, index: usize) -> SolveError {

@@ -136,9 +136,9 @@ fn every_backend_and_preconditioner_solves_or_refuses_by_name() {
     }
 }
 
+/// On systems large enough that vectors and rows are shared out.
 #[test]
 fn bits_are_equal_for_one_two_and_three_threads() {
-    // Large enough that vectors and rows are shared out.
     let cloud = jittered_grid(72, 70, 0.3);
     let flow = Case {
         name: "flow",

@@ -105,7 +105,6 @@ mod tests {
     #[test]
     fn it_solves_a_matrix_of_blocks_exactly() {
         let cloud = jittered_grid(5, 4, 0.2);
-        // A horizon below the spacing leaves no bond, so each point gets a block by hand.
         let mut a = wide_stencil(&cloud, 3, 2.3, 1);
         for (row, mut vector) in a.outer_iterator_mut().enumerate() {
             for (column, value) in vector.iter_mut() {

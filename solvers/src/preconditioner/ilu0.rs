@@ -3,6 +3,9 @@
 //!
 //! Where a pivot fails, every diagonal entry is moved away from zero by a growing shift. Note that a
 //! symmetric matrix need not give positive pivots, so only `gmres` and its like can take it.
+//!
+//! It is made for transport-like matrices. A quasi-definite matrix with small storage gives tiny
+//! pivots in the order of the points: with S = 0.01 K on 3000 points GMRES stagnates at once.
 
 use super::scaling::by_diagonal;
 use super::triangle::Shifts;

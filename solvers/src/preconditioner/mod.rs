@@ -69,3 +69,6 @@ pub(crate) struct PreconditionerWork {
     /// Bytes held.
     pub(crate) bytes: u64,
 }
+
+#[cfg(test)]
+mod tests;
