@@ -44,7 +44,7 @@ const DEFINITE: [&str; 15] = [
     "faer-cg:preconditioner=ic0",
     "faer-cg:preconditioner=block-jacobi",
     "minres:preconditioner=amg",
-    "faer-bicgstab:preconditioner=amg",
+    "bicgstab:preconditioner=amg",
     "gmres:preconditioner=amg",
     "petsc",
     "petsc:-ksp_type preonly -pc_type cholesky -pc_factor_mat_solver_type mumps",
@@ -64,9 +64,9 @@ const MONOLITHIC: [&str; 9] = [
     "petsc",
     "petsc:-ksp_type preonly -pc_type lu -pc_factor_mat_solver_type mumps",
     "petsc:-ksp_type fgmres -pc_type fieldsplit -pc_fieldsplit_type schur \
-     -pc_fieldsplit_schur_fact_type full -pc_fieldsplit_schur_precondition selfp \
-     -fieldsplit_displacement_pc_type gamg -fieldsplit_displacement_ksp_type preonly \
-     -fieldsplit_pressure_pc_type gamg -fieldsplit_pressure_ksp_type preonly",
+     -pc_fieldsplit_schur_fact_type upper -pc_fieldsplit_schur_precondition selfp \
+     -fieldsplit_u_pc_type gamg -fieldsplit_u_ksp_type preonly \
+     -fieldsplit_p_pc_type hypre -fieldsplit_p_ksp_type preonly",
 ];
 
 /// One system with one backend.
