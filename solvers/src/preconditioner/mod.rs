@@ -1,5 +1,8 @@
 //! Preconditioners of the Krylov backends: one file each, chosen by the option `preconditioner`.
 
+#[allow(dead_code, reason = "chosen by the Krylov driver")]
+pub(crate) mod amg;
+
 use crate::{CsrView, Problem, SolveError};
 
 /// An approximate inverse M⁻¹ of one matrix at a time, with the stages of [`crate::LinearSolver`].
