@@ -17,6 +17,9 @@ mod triangle;
 pub(crate) use table::{Demand, build, count, find, words};
 pub use table::{PRECONDITIONERS, PreconditionerInfo};
 
+#[allow(dead_code, reason = "chosen by the Krylov driver")]
+pub(crate) mod amg;
+
 use crate::{CsrView, Problem, SolveError};
 
 /// An approximate inverse M⁻¹ of one matrix at a time, with the stages of [`crate::LinearSolver`].

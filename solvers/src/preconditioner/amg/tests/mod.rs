@@ -1,0 +1,4 @@
+mod convergence;
+mod levels;
+mod refresh;
+pub(crate) mod support;
