@@ -17,7 +17,7 @@ use crate::{LinearSolver, SpecError, dot, multiply, norm2};
 
 const DEMAND: Demand = Demand::Any;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
-const OPTIONS: [OptionSpec; 5] = options_with_restart(&WORDS);
+const OPTIONS: [OptionSpec; 7] = options_with_restart(&WORDS);
 const SYMMETRIES: &[Symmetry] = &[
     Symmetry::PositiveDefinite,
     Symmetry::QuasiDefinite,

@@ -20,6 +20,18 @@ const REFACTOR_ABOVE: OptionSpec = OptionSpec {
     default: "12",
     meaning: "stale: renew the factor after a solve with more iterations",
 };
+const THRESHOLD: OptionSpec = OptionSpec {
+    key: "threshold",
+    value: OptionValue::Positive,
+    default: "0.2",
+    meaning: "amg: share of a point's largest coupling below which points are not joined",
+};
+const SMOOTHER_DEGREE: OptionSpec = OptionSpec {
+    key: "smoother_degree",
+    value: OptionValue::Count,
+    default: "2",
+    meaning: "amg: degree of the Chebyshev smoother",
+};
 const RESTART: OptionSpec = OptionSpec {
     key: "restart",
     value: OptionValue::Count,
@@ -28,18 +40,40 @@ const RESTART: OptionSpec = OptionSpec {
 };
 
 /// The options of a method with short recurrences, for these preconditioners.
-pub(super) const fn options(words: &'static [&'static str]) -> [OptionSpec; 4] {
+pub(super) const fn options(words: &'static [&'static str]) -> [OptionSpec; 6] {
     let preconditioner = OptionSpec {
         key: "preconditioner",
         value: OptionValue::OneOf(words),
         default: "jacobi",
         meaning: "approximate inverse of the matrix that speeds up the iteration",
     };
-    [preconditioner, TOLERANCE, MAX_ITERATIONS, REFACTOR_ABOVE]
+    [
+        preconditioner,
+        TOLERANCE,
+        MAX_ITERATIONS,
+        REFACTOR_ABOVE,
+        THRESHOLD,
+        SMOOTHER_DEGREE,
+    ]
 }
 
 /// The options of a method that restarts.
-pub(super) const fn options_with_restart(words: &'static [&'static str]) -> [OptionSpec; 5] {
-    let [preconditioner, tolerance, limit, refactor] = options(words);
-    [preconditioner, tolerance, limit, refactor, RESTART]
+pub(super) const fn options_with_restart(words: &'static [&'static str]) -> [OptionSpec; 7] {
+    let [
+        preconditioner,
+        tolerance,
+        limit,
+        refactor,
+        threshold,
+        degree,
+    ] = options(words);
+    [
+        preconditioner,
+        tolerance,
+        limit,
+        refactor,
+        threshold,
+        degree,
+        RESTART,
+    ]
 }

@@ -1,6 +1,6 @@
 //! The table of preconditioners, and which of them a method can take.
 
-use super::{Preconditioner, block_jacobi, ic0, ilu0, jacobi, none, single, stale};
+use super::{Preconditioner, amg, block_jacobi, ic0, ilu0, jacobi, none, single, stale};
 use crate::SpecError;
 use crate::problem::Symmetry;
 use crate::registry::Options;
@@ -69,6 +69,13 @@ pub const PRECONDITIONERS: &[PreconditionerInfo] = &[
         symmetries: FACTORED,
         definite: DEFINITE,
         build: stale::build,
+    },
+    PreconditionerInfo {
+        name: "amg",
+        meaning: "multigrid by smoothed aggregation, kept while a matrix changes little",
+        symmetries: DEFINITE,
+        definite: DEFINITE,
+        build: amg::build,
     },
 ];
 

@@ -11,7 +11,7 @@ const SHIFTS: [f64; 6] = [0.0, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6];
 
 /// A Cholesky factor of the coarsest matrix.
 pub(super) struct Coarsest {
-    factor: CholeskyFactor,
+    factor: CholeskyFactor<f64>,
     matrix: CsrMatrix,
 }
 

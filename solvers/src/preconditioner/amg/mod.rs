@@ -42,7 +42,8 @@ use self::smoother::Polynomial;
 use super::{Preconditioner, PreconditionerWork};
 use crate::matrix::{Rows, diagonal};
 use crate::problem::Problem;
-use crate::{CsrView, SolveError};
+use crate::registry::Options;
+use crate::{CsrView, SolveError, SpecError};
 
 /// A kept hierarchy is rebuilt when a solve takes this multiple of the iterations it took when new.
 const WORN: f64 = 1.5;
@@ -78,6 +79,28 @@ impl Default for AmgOptions {
             smoother_ratio: 10.0,
             coarsest: 1000,
         }
+    }
+}
+
+/// Builds the preconditioner from the options of a backend.
+///
+/// # Errors
+/// [`SpecError`] for a value that is no number.
+pub(super) fn build(options: &Options<'_>) -> Result<Box<dyn Preconditioner>, SpecError> {
+    Ok(Box::new(SmoothedAggregation::new(AmgOptions::of(options)?)))
+}
+
+impl AmgOptions {
+    /// What the user chose.
+    ///
+    /// # Errors
+    /// [`SpecError`] for a value that is no number.
+    pub(crate) fn of(options: &Options<'_>) -> Result<Self, SpecError> {
+        Ok(Self {
+            threshold: options.number("threshold")?,
+            smoother_degree: options.count("smoother_degree")?,
+            ..Self::default()
+        })
     }
 }
 
