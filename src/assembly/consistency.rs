@@ -304,8 +304,7 @@ const SINGULAR_SHIFT: f64 = 1e-9;
 const REFINEMENTS: usize = 12;
 
 /// Factor of the shifted matrix over several processes.
-const DISTRIBUTED: &str =
-    "petsc:-ksp_type preonly -pc_type cholesky -pc_factor_mat_solver_type mumps";
+const DISTRIBUTED: &str = "petsc:-ksp_type preonly -pc_type cholesky";
 
 /// λ with A λ = rhs, by a factor of the shifted matrix and refinement with the true one.
 fn multipliers<const D: usize>(

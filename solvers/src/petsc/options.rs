@@ -27,6 +27,12 @@ const TRUE_RESIDUAL: [&str; 14] = [
     "chebyshev",
 ];
 
+/// MUMPS, with room beside its estimate, which is short for small fronts shared by processes.
+const MUMPS: [(&str, &str); 2] = [
+    ("-pc_factor_mat_solver_type", "mumps"),
+    ("-mat_mumps_icntl_14", "100"),
+];
+
 /// Flags as typed.
 #[derive(Debug, Clone)]
 pub(crate) struct Flags {
@@ -143,7 +149,7 @@ impl Flags {
         }
         let in_use = self.value("-pc_type").or(preconditioner).unwrap_or("");
         let others: &[(&str, &str)] = match in_use {
-            "lu" | "cholesky" if nature.has_mumps => &[("-pc_factor_mat_solver_type", "mumps")],
+            "lu" | "cholesky" if nature.has_mumps => &MUMPS,
             "gamg" if nature.rigid_modes => &[("-pc_gamg_threshold", "0.05")],
             "gamg" => &[("-pc_gamg_threshold", "0")],
             "fieldsplit" if nature.blocks => &BLOCKS,
