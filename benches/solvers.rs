@@ -54,11 +54,12 @@ const DEFINITE: [&str; 15] = [
 ];
 
 /// Backends for displacement and pressure in one matrix.
-const MONOLITHIC: [&str; 9] = [
+const MONOLITHIC: [&str; 10] = [
     "auto",
     "faer-ldlt",
     "fgmres:preconditioner=schur",
-    "fgmres:preconditioner=fixed-stress",
+    "fgmres:preconditioner=schur,inner=4",
+    "fgmres:preconditioner=fixed-stress,inner=4",
     "gmres:preconditioner=f32",
     "minres:preconditioner=block-jacobi",
     "petsc",

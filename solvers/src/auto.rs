@@ -101,8 +101,8 @@ fn quasi_definite(outline: &Outline) -> (&'static str, String) {
             "quasi-definite, so LDLT needs no pivoting, and its factor fits".to_owned(),
         ),
         false => (
-            "gmres:preconditioner=f32",
-            format!("quasi-definite; a factor in single precision halves {gigabytes:.0} GB"),
+            "fgmres:preconditioner=schur",
+            format!("quasi-definite, and a factor would take {gigabytes:.0} GB"),
         ),
     }
 }
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(chosen(&outline(40_000, 3, 1)), "faer-ldlt");
         assert_eq!(
             chosen(&outline(1_000_000, 3, 1)),
-            "gmres:preconditioner=f32"
+            "fgmres:preconditioner=schur"
         );
     }
 

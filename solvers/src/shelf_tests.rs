@@ -13,6 +13,7 @@ struct Case {
     cloud: Cloud,
     symmetry: Symmetry,
     per_point: usize,
+    schur_diagonal: Vec<f64>,
 }
 
 impl Case {
@@ -22,6 +23,7 @@ impl Case {
                 dimension: 2,
                 values: &self.cloud.coordinates,
             }),
+            schur_diagonal: (!self.schur_diagonal.is_empty()).then_some(&self.schur_diagonal),
             ..Problem::new(self.matrix.view(), self.symmetry, self.per_point)
         }
     }
@@ -43,6 +45,7 @@ fn flow(name: &'static str) -> Case {
         cloud,
         symmetry: Symmetry::PositiveDefinite,
         per_point: 1,
+        schur_diagonal: Vec::new(),
     }
 }
 
@@ -59,6 +62,7 @@ fn cases() -> Vec<Case> {
             cloud: jittered_grid(11, 9, 0.2),
             symmetry: Symmetry::PositiveDefinite,
             per_point: 2,
+            schur_diagonal: Vec::new(),
         },
         Case {
             name: "poroelasticity",
@@ -66,6 +70,7 @@ fn cases() -> Vec<Case> {
             cloud,
             symmetry: Symmetry::QuasiDefinite,
             per_point: 3,
+            schur_diagonal: vec![10.0; 99],
         },
         flow("indefinite").with(Symmetry::Indefinite, shifted),
         flow("transport").with(Symmetry::General, transport(14, 11)),
@@ -146,6 +151,7 @@ fn bits_are_equal_for_one_two_and_three_threads() {
         cloud,
         symmetry: Symmetry::PositiveDefinite,
         per_point: 1,
+        schur_diagonal: Vec::new(),
     };
     let cloud = jittered_grid(40, 35, 0.2);
     let poroelasticity = Case {
@@ -154,6 +160,7 @@ fn bits_are_equal_for_one_two_and_three_threads() {
         cloud,
         symmetry: Symmetry::QuasiDefinite,
         per_point: 3,
+        schur_diagonal: Vec::new(),
     };
     for case in [flow, poroelasticity] {
         let rhs = noisy_vector(case.matrix.rows());

@@ -16,7 +16,7 @@ use crate::{LinearSolver, SpecError, dot, multiply, norm2};
 
 const DEMAND: Demand = Demand::Any;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
-const OPTIONS: [OptionSpec; 6] = options(&WORDS);
+const OPTIONS: [OptionSpec; 7] = options(&WORDS);
 /// Cosine of an angle below which two vectors count as orthogonal.
 const ORTHOGONAL: f64 = 1e-14;
 

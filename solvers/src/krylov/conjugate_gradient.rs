@@ -21,7 +21,7 @@ use crate::{LinearSolver, SpecError};
 
 const DEMAND: Demand = Demand::DefiniteMatrix;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
-const OPTIONS: [OptionSpec; 6] = options(&WORDS);
+const OPTIONS: [OptionSpec; 7] = options(&WORDS);
 
 /// The entry of this backend in the table.
 pub(crate) const BACKEND: Backend = Backend {

@@ -103,6 +103,16 @@ impl Krylov {
         if self.demand != Demand::Any && !self.preconditioner.is_symmetric() {
             return Err(self.refusal(problem.symmetry));
         }
+        if self.preconditioner.is_variable() && !self.method.is_flexible() {
+            return Err(SolveError::Refused {
+                solver: self.backend.name,
+                symmetry: problem.symmetry,
+                advice:
+                    "inner iterations change the preconditioner between its applications; choose \
+                         `fgmres`, or inner=1"
+                        .into(),
+            });
+        }
         Ok(())
     }
 

@@ -17,7 +17,7 @@ use crate::{LinearSolver, SpecError, dot, multiply, norm2};
 
 const DEMAND: Demand = Demand::Any;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
-const OPTIONS: [OptionSpec; 7] = options_with_restart(&WORDS);
+const OPTIONS: [OptionSpec; 8] = options_with_restart(&WORDS);
 const SYMMETRIES: &[Symmetry] = &[
     Symmetry::PositiveDefinite,
     Symmetry::QuasiDefinite,
@@ -146,6 +146,10 @@ fn orthogonalise(old: &[Vec<f64>], next: &mut [f64], column: &mut [f64], before:
 }
 
 impl Method for Gmres {
+    fn is_flexible(&self) -> bool {
+        self.flexible
+    }
+
     fn allocate(&mut self, unknowns: usize) {
         let steps = self.restart.min(unknowns).max(1);
         // Each vector on its own, so that memory which is never used is never touched.

@@ -16,7 +16,7 @@ use crate::{LinearSolver, SpecError, dot, multiply, norm2};
 
 const DEMAND: Demand = Demand::Definite;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
-const OPTIONS: [OptionSpec; 6] = options(&WORDS);
+const OPTIONS: [OptionSpec; 7] = options(&WORDS);
 /// Size, relative to that of the matrix, of what counts as zero.
 const NEGLIGIBLE: f64 = 1e-15;
 /// ‖A r‖ relative to ‖A‖ ‖r‖ at which r is a residual of least squares: beyond it the iterates of a

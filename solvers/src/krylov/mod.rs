@@ -30,6 +30,11 @@ pub(crate) trait Method: Send {
     /// Takes the number of unknowns; allocates all memory.
     fn allocate(&mut self, unknowns: usize);
 
+    /// Whether the preconditioner may differ between its applications.
+    fn is_flexible(&self) -> bool {
+        false
+    }
+
     /// Improves `x` until the residual the recursion knows reaches `pass.target`, or until
     /// `pass.limit` iterations are done. Allocates nothing.
     fn run(&mut self, pass: Pass<'_>, x: &mut [f64]) -> Run;

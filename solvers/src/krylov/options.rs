@@ -32,6 +32,13 @@ const SMOOTHER_DEGREE: OptionSpec = OptionSpec {
     default: "2",
     meaning: "amg: degree of the Chebyshev smoother",
 };
+const INNER: OptionSpec = OptionSpec {
+    key: "inner",
+    value: OptionValue::Count,
+    default: "1",
+    meaning: "schur, fixed-stress: iterations on the displacements per application; more than one \
+              asks for fgmres",
+};
 const RESTART: OptionSpec = OptionSpec {
     key: "restart",
     value: OptionValue::Count,
@@ -40,7 +47,7 @@ const RESTART: OptionSpec = OptionSpec {
 };
 
 /// The options of a method with short recurrences, for these preconditioners.
-pub(super) const fn options(words: &'static [&'static str]) -> [OptionSpec; 6] {
+pub(super) const fn options(words: &'static [&'static str]) -> [OptionSpec; 7] {
     let preconditioner = OptionSpec {
         key: "preconditioner",
         value: OptionValue::OneOf(words),
@@ -54,26 +61,14 @@ pub(super) const fn options(words: &'static [&'static str]) -> [OptionSpec; 6] {
         REFACTOR_ABOVE,
         THRESHOLD,
         SMOOTHER_DEGREE,
+        INNER,
     ]
 }
 
 /// The options of a method that restarts.
-pub(super) const fn options_with_restart(words: &'static [&'static str]) -> [OptionSpec; 7] {
-    let [
-        preconditioner,
-        tolerance,
-        limit,
-        refactor,
-        threshold,
-        degree,
-    ] = options(words);
+pub(super) const fn options_with_restart(words: &'static [&'static str]) -> [OptionSpec; 8] {
+    let [own, tolerance, limit, refactor, threshold, degree, inner] = options(words);
     [
-        preconditioner,
-        tolerance,
-        limit,
-        refactor,
-        threshold,
-        degree,
-        RESTART,
+        own, tolerance, limit, refactor, threshold, degree, inner, RESTART,
     ]
 }

@@ -9,6 +9,7 @@ mod ilu0;
 mod jacobi;
 mod none;
 mod scaling;
+mod schur;
 mod single;
 mod stale;
 mod table;
@@ -54,6 +55,11 @@ pub(crate) trait Preconditioner: Send {
     /// Whether M⁻¹ is symmetric positive definite, which CG and MINRES need.
     fn is_symmetric(&self) -> bool {
         true
+    }
+
+    /// Whether M⁻¹ differs between applications, which flexible methods alone allow.
+    fn is_variable(&self) -> bool {
+        false
     }
 
     /// What it has done and holds.

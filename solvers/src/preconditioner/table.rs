@@ -1,6 +1,6 @@
 //! The table of preconditioners, and which of them a method can take.
 
-use super::{Preconditioner, amg, block_jacobi, ic0, ilu0, jacobi, none, single, stale};
+use super::{Preconditioner, amg, block_jacobi, ic0, ilu0, jacobi, none, schur, single, stale};
 use crate::SpecError;
 use crate::problem::Symmetry;
 use crate::registry::Options;
@@ -18,6 +18,7 @@ const SYMMETRIC: &[Symmetry] = &[
 ];
 const FACTORED: &[Symmetry] = &[Symmetry::PositiveDefinite, Symmetry::QuasiDefinite];
 const DEFINITE: &[Symmetry] = &[Symmetry::PositiveDefinite];
+const COUPLED: &[Symmetry] = &[Symmetry::QuasiDefinite];
 
 /// Every preconditioner that can be chosen by name.
 pub const PRECONDITIONERS: &[PreconditionerInfo] = &[
@@ -76,6 +77,20 @@ pub const PRECONDITIONERS: &[PreconditionerInfo] = &[
         symmetries: DEFINITE,
         definite: DEFINITE,
         build: amg::build,
+    },
+    PreconditionerInfo {
+        name: "schur",
+        meaning: "multigrid on both fields, Schur complement from the point blocks of the stiffness",
+        symmetries: COUPLED,
+        definite: &[],
+        build: schur::build_self,
+    },
+    PreconditionerInfo {
+        name: "fixed-stress",
+        meaning: "multigrid on both fields, Schur complement from the storage of a fixed-stress split",
+        symmetries: COUPLED,
+        definite: &[],
+        build: schur::build_fixed_stress,
     },
 ];
 

@@ -6,17 +6,17 @@ use super::kernel::{Entry, row_kernel};
 use crate::matrix::Rows;
 
 /// Block rows per parallel task.
-pub(super) const ROWS_PER_TASK: usize = 256;
+pub(in crate::preconditioner) const ROWS_PER_TASK: usize = 256;
 
 /// Which blocks are stored: the columns of each row in ascending order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct BlockPattern {
-    pub(super) starts: Vec<usize>,
-    pub(super) columns: Vec<u32>,
+pub(in crate::preconditioner) struct BlockPattern {
+    pub(in crate::preconditioner) starts: Vec<usize>,
+    pub(in crate::preconditioner) columns: Vec<u32>,
 }
 
 impl BlockPattern {
-    pub(super) fn from_rows(rows: impl Iterator<Item = Vec<u32>>) -> Self {
+    pub(in crate::preconditioner) fn from_rows(rows: impl Iterator<Item = Vec<u32>>) -> Self {
         let mut pattern = Self {
             starts: vec![0],
             columns: Vec::new(),
@@ -29,7 +29,11 @@ impl BlockPattern {
     }
 
     /// Blocks of points that hold the entries of a matrix with `size` unknowns per point.
-    pub(super) fn of_points(matrix: Rows<'_>, points: usize, size: usize) -> Self {
+    pub(in crate::preconditioner) fn of_points(
+        matrix: Rows<'_>,
+        points: usize,
+        size: usize,
+    ) -> Self {
         let row_of = |point: usize| -> Vec<u32> {
             let first = matrix.row(point * size).0;
             let others = (point * size + 1..(point + 1) * size).map(|row| matrix.row(row).0);
@@ -56,26 +60,26 @@ impl BlockPattern {
         Self::from_rows(rows.into_iter())
     }
 
-    pub(super) fn rows(&self) -> usize {
+    pub(in crate::preconditioner) fn rows(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    pub(super) fn range(&self, row: usize) -> std::ops::Range<usize> {
+    pub(in crate::preconditioner) fn range(&self, row: usize) -> std::ops::Range<usize> {
         self.starts[row]..self.starts[row + 1]
     }
 
-    pub(super) fn row(&self, row: usize) -> &[u32] {
+    pub(in crate::preconditioner) fn row(&self, row: usize) -> &[u32] {
         &self.columns[self.range(row)]
     }
 
     /// Position of a block among all stored ones.
-    pub(super) fn find(&self, row: usize, column: usize) -> Option<usize> {
+    pub(in crate::preconditioner) fn find(&self, row: usize, column: usize) -> Option<usize> {
         let found = self.row(row).binary_search(&(column as u32));
         found.ok().map(|offset| self.starts[row] + offset)
     }
 
     /// The pattern of the transposed matrix, and for each of its blocks the position here.
-    pub(super) fn transposed(&self, columns: usize) -> (Self, Vec<usize>) {
+    pub(in crate::preconditioner) fn transposed(&self, columns: usize) -> (Self, Vec<usize>) {
         let mut starts = vec![0; columns + 1];
         for column in &self.columns {
             starts[*column as usize + 1] += 1;
@@ -103,7 +107,7 @@ impl BlockPattern {
 
 /// What a product does to the vector it is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Update {
+pub(in crate::preconditioner) enum Update {
     Set,
     Add,
     Subtract,
@@ -111,17 +115,21 @@ pub(super) enum Update {
 
 /// A block matrix; each block is stored by rows.
 #[derive(Debug, Clone)]
-pub(super) struct BlockMatrix<T> {
-    pub(super) pattern: BlockPattern,
+pub(in crate::preconditioner) struct BlockMatrix<T> {
+    pub(in crate::preconditioner) pattern: BlockPattern,
     /// Rows of a block.
-    pub(super) height: usize,
+    pub(in crate::preconditioner) height: usize,
     /// Columns of a block.
-    pub(super) width: usize,
-    pub(super) values: Vec<T>,
+    pub(in crate::preconditioner) width: usize,
+    pub(in crate::preconditioner) values: Vec<T>,
 }
 
 impl<T: Entry> BlockMatrix<T> {
-    pub(super) fn zeros(pattern: BlockPattern, height: usize, width: usize) -> Self {
+    pub(in crate::preconditioner) fn zeros(
+        pattern: BlockPattern,
+        height: usize,
+        width: usize,
+    ) -> Self {
         let values = vec![T::from_f64(0.0); pattern.columns.len() * height * width];
         Self {
             pattern,
@@ -131,33 +139,33 @@ impl<T: Entry> BlockMatrix<T> {
         }
     }
 
-    pub(super) fn rows(&self) -> usize {
+    pub(in crate::preconditioner) fn rows(&self) -> usize {
         self.pattern.rows()
     }
 
     /// Number of entries of a block.
-    pub(super) fn area(&self) -> usize {
+    pub(in crate::preconditioner) fn area(&self) -> usize {
         self.height * self.width
     }
 
-    pub(super) fn row_values(&self, row: usize) -> &[T] {
+    pub(in crate::preconditioner) fn row_values(&self, row: usize) -> &[T] {
         let range = self.pattern.range(row);
         &self.values[range.start * self.area()..range.end * self.area()]
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(in crate::preconditioner) fn bytes(&self) -> usize {
         self.values.len() * size_of::<T>()
             + self.pattern.columns.len() * size_of::<u32>()
             + self.pattern.starts.len() * size_of::<usize>()
     }
 
     /// Product with a vector, parallel over rows; every row is summed by one thread.
-    pub(super) fn apply(&self, x: &[f64], out: &mut [f64], update: Update) {
+    pub(in crate::preconditioner) fn apply(&self, x: &[f64], out: &mut [f64], update: Update) {
         self.apply_where(|_| true, x, out, update);
     }
 
     /// As [`Self::apply`], in the chosen rows only; the others of `out` stay.
-    pub(super) fn apply_where(
+    pub(in crate::preconditioner) fn apply_where(
         &self,
         chosen: impl Fn(usize) -> bool + Sync,
         x: &[f64],
@@ -190,7 +198,7 @@ impl<T: Entry> BlockMatrix<T> {
     }
 
     /// The transposed matrix; `columns` is the number of block columns.
-    pub(super) fn transposed(&self, columns: usize) -> Self {
+    pub(in crate::preconditioner) fn transposed(&self, columns: usize) -> Self {
         let (pattern, positions) = self.pattern.transposed(columns);
         let area = self.area();
         let mut values = Vec::with_capacity(self.values.len());
@@ -210,7 +218,7 @@ impl<T: Entry> BlockMatrix<T> {
 }
 
 /// The blocks of each row with its number, to be written in parallel.
-pub(super) fn rows_of<'a, T>(
+pub(in crate::preconditioner) fn rows_of<'a, T>(
     pattern: &BlockPattern,
     values: &'a mut [T],
     area: usize,
@@ -226,7 +234,7 @@ pub(super) fn rows_of<'a, T>(
 }
 
 /// Blocks of a matrix that can be read row by row in double precision.
-pub(super) trait BlockRows: Sync {
+pub(in crate::preconditioner) trait BlockRows: Sync {
     fn pattern(&self) -> &BlockPattern;
 
     /// Rows and columns of a block.
@@ -252,11 +260,11 @@ impl<T: Entry> BlockRows for BlockMatrix<T> {
 }
 
 /// The matrix of the user, seen as blocks and multiplied by a factor.
-pub(super) struct PointBlocks<'a> {
-    pub(super) matrix: Rows<'a>,
-    pub(super) pattern: &'a BlockPattern,
-    pub(super) size: usize,
-    pub(super) scale: f64,
+pub(in crate::preconditioner) struct PointBlocks<'a> {
+    pub(in crate::preconditioner) matrix: Rows<'a>,
+    pub(in crate::preconditioner) pattern: &'a BlockPattern,
+    pub(in crate::preconditioner) size: usize,
+    pub(in crate::preconditioner) scale: f64,
 }
 
 impl BlockRows for PointBlocks<'_> {

@@ -2,7 +2,7 @@
 
 /// Writes the inverse of a symmetric positive semidefinite block; directions without stiffness
 /// get none.
-pub(super) fn invert(block: &[f64], size: usize, inverse: &mut [f64]) {
+pub(in crate::preconditioner) fn invert(block: &[f64], size: usize, inverse: &mut [f64]) {
     inverse.fill(0.0);
     let lower = cholesky(block, size);
     let mut column = vec![0.0; size];
@@ -66,7 +66,7 @@ fn substitute(lower: &[f64], size: usize, x: &mut [f64]) {
 }
 
 /// Largest eigenvalue of a symmetric tridiagonal matrix by bisection with Sturm counts.
-pub(super) fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
+pub(in crate::preconditioner) fn largest_eigenvalue(diagonal: &[f64], beside: &[f64]) -> f64 {
     let radius = |row: usize| {
         let before = row.checked_sub(1).map_or(0.0, |row| beside[row].abs());
         let after = if row + 1 < diagonal.len() {

@@ -4,7 +4,9 @@
 //! every sum is done in double precision.
 
 /// Number type of stored entries.
-pub(super) trait Entry: Copy + Send + Sync + PartialEq + 'static {
+pub(in crate::preconditioner) trait Entry:
+    Copy + Send + Sync + PartialEq + 'static
+{
     fn from_f64(value: f64) -> Self;
     fn to_f64(self) -> f64;
 }
@@ -30,10 +32,10 @@ impl Entry for f32 {
 }
 
 /// Adds `sign` times the product of a block row and a vector: (columns, blocks, x, sign, out).
-pub(super) type RowKernel<T> = fn(&[u32], &[T], &[f64], f64, &mut [f64]);
+pub(in crate::preconditioner) type RowKernel<T> = fn(&[u32], &[T], &[f64], f64, &mut [f64]);
 
 /// The loop for blocks of this size.
-pub(super) fn row_kernel<T: Entry>(height: usize, width: usize) -> RowKernel<T> {
+pub(in crate::preconditioner) fn row_kernel<T: Entry>(height: usize, width: usize) -> RowKernel<T> {
     match (height, width) {
         (1, 1) => scalar_row,
         (2, 2) => block_row::<T, 2, 2>,
@@ -104,15 +106,20 @@ fn any_row<T: Entry>(columns: &[u32], values: &[T], x: &[f64], sign: f64, out: &
 
 /// Sizes of a product of blocks: (height × inner) · (inner × width).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sizes {
-    pub(super) height: usize,
-    pub(super) inner: usize,
-    pub(super) width: usize,
+pub(in crate::preconditioner) struct Sizes {
+    pub(in crate::preconditioner) height: usize,
+    pub(in crate::preconditioner) inner: usize,
+    pub(in crate::preconditioner) width: usize,
 }
 
 /// Adds the product of two blocks to a third.
 #[inline(always)]
-pub(super) fn add_product<T: Entry>(sum: &mut [f64], left: &[f64], right: &[T], sizes: Sizes) {
+pub(in crate::preconditioner) fn add_product<T: Entry>(
+    sum: &mut [f64],
+    left: &[f64],
+    right: &[T],
+    sizes: Sizes,
+) {
     let Sizes {
         height,
         inner,

@@ -21,14 +21,14 @@
 //! or when many points change their material.
 
 mod aggregation;
-mod block;
+pub(super) mod block;
 mod coarsest;
 mod cycle;
-mod dense;
+pub(super) mod dense;
 mod hierarchy;
-mod kernel;
+pub(super) mod kernel;
 mod modes;
-mod product;
+pub(super) mod product;
 mod smoother;
 mod tentative;
 #[cfg(test)]

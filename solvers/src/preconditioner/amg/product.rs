@@ -23,7 +23,7 @@ impl Workspace {
 }
 
 /// Pattern of the product; `columns` is the number of block columns of `right`.
-pub(super) fn product_pattern(
+pub(in crate::preconditioner) fn product_pattern(
     left: &BlockPattern,
     right: &BlockPattern,
     columns: usize,
@@ -51,7 +51,7 @@ pub(super) fn product_pattern(
 }
 
 /// Computes the chosen rows of `product = left · right`, whose pattern stands already.
-pub(super) fn multiply_rows<T: Entry, U: Entry>(
+pub(in crate::preconditioner) fn multiply_rows<T: Entry, U: Entry>(
     left: &dyn BlockRows,
     right: &BlockMatrix<T>,
     product: &mut BlockMatrix<U>,
@@ -89,6 +89,8 @@ type ProductRow<T> = fn(&dyn BlockRows, &BlockMatrix<T>, &[u32], Sizes, &mut Wor
 fn product_row<T: Entry>(sizes: Sizes) -> ProductRow<T> {
     match (sizes.height, sizes.inner, sizes.width) {
         (1, 1, 1) => multiply_row::<T, 1, 1, 1>,
+        (1, 2, 1) => multiply_row::<T, 1, 2, 1>,
+        (1, 3, 1) => multiply_row::<T, 1, 3, 1>,
         (2, 2, 3) => multiply_row::<T, 2, 2, 3>,
         (3, 2, 3) => multiply_row::<T, 3, 2, 3>,
         (3, 3, 3) => multiply_row::<T, 3, 3, 3>,
