@@ -83,7 +83,7 @@ pub struct MatrixSize {
     pub solved: bool,
     /// Memory of pattern and values, bytes.
     pub bytes: u64,
-    /// Memory of its factor, bytes; 0 without one.
+    /// Memory of its factor or of the levels of multigrid, bytes; 0 without.
     pub factor: u64,
     /// Operations of one factorisation; 0 without a factor.
     pub factor_flops: f64,

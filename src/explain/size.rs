@@ -104,10 +104,16 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
         System::Monolithic => 20.0,
     };
     let name = choice(plan, sample, system).name;
-    let direct = solved && (name.contains("llt") || name.contains("ldlt"));
-    let factor = match direct {
-        true => 12.0 * nonzeros * fill(plan.dimension, sample, system),
-        false => 0.0,
+    let factor = || 12.0 * nonzeros * fill(plan.dimension, sample, system);
+    let (factor, direct) = match Held::by(&name) {
+        _ if !solved => (0.0, false),
+        Held::Factor => (factor(), true),
+        Held::HalfFactor => (0.5 * factor(), true),
+        Held::Hierarchy(per_nonzero) => {
+            let levels = per_nonzero * nonzeros + HIERARCHY_PER_UNKNOWN * unknowns as f64;
+            (levels, false)
+        }
+        Held::Unknown => (0.0, false),
     };
     MatrixSize {
         name: system.name(),
@@ -120,6 +126,35 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
             true => flops(plan, sample, system),
             false => 0.0,
         },
+    }
+}
+
+/// What a solver holds beside the matrix.
+enum Held {
+    /// A factor in double precision.
+    Factor,
+    /// A factor in single precision.
+    HalfFactor,
+    /// Levels of multigrid, so many bytes per nonzero of the matrix.
+    Hierarchy(f64),
+    /// Little, or what another program knows.
+    Unknown,
+}
+
+/// Bytes of a hierarchy per unknown: blocks of the smoother, vectors, prolongation.
+const HIERARCHY_PER_UNKNOWN: f64 = 300.0;
+
+impl Held {
+    /// By the solver's text; sizes of hierarchies are fitted to measured ones.
+    fn by(solver: &str) -> Self {
+        let has = |word: &str| solver.contains(word);
+        match solver {
+            _ if has("preconditioner=amg") => Held::Hierarchy(9.0),
+            _ if has("=schur") || has("=fixed-stress") => Held::Hierarchy(24.0),
+            _ if has("preconditioner=f32") => Held::HalfFactor,
+            _ if has("llt") || has("ldlt") || has("preconditioner=stale") => Held::Factor,
+            _ => Held::Unknown,
+        }
     }
 }
 

@@ -87,6 +87,9 @@ impl Explanation {
             let use_of = match (matrix.solved, matrix.factor) {
                 (false, _) => "applied only".to_owned(),
                 (true, 0) => "solved without a factor".to_owned(),
+                (true, levels) if matrix.factor_flops <= 0.0 => {
+                    format!("multigrid {}", bytes(levels))
+                }
                 (true, factor) => format!(
                     "factor {}, {:.1e} operations",
                     bytes(factor),

@@ -4,6 +4,8 @@ use perifrac_solvers::Demand;
 
 use super::{Integrator, Plan, StepRule, TimeMode};
 
+/// A solve and the corrections that follow it.
+const STEADY_SOLVES: usize = 3;
 /// Steps with one matrix when steps adapt: they are lengthened rarely and by much.
 const ADAPTIVE_STEPS: usize = 3;
 /// Passes between flow and mechanics that a step takes, about.
@@ -14,13 +16,15 @@ const ADAPTIVE_RUN: usize = 50;
 impl Plan {
     /// Demand on the solver of a matrix that changes with the length of the step.
     pub fn stage_demand(&self) -> Demand {
+        if self.time.mode == TimeMode::Steady {
+            return self.demand(STEADY_SOLVES);
+        }
         let stages = match self.scheme.integrator() {
             Some(Integrator::TrBdf2) => 2,
             _ => 1,
         };
-        let steps = match (self.time.mode, self.time.step) {
-            (TimeMode::Steady, _) => 1,
-            (_, StepRule::Fixed(_)) => self.fixed_steps(),
+        let steps = match self.time.step {
+            StepRule::Fixed(_) => self.fixed_steps(),
             _ => ADAPTIVE_STEPS,
         };
         self.demand(steps * stages)
@@ -29,7 +33,7 @@ impl Plan {
     /// Demand on the solver of a matrix that stays the same for the whole run.
     pub fn solid_demand(&self) -> Demand {
         if self.time.mode == TimeMode::Steady {
-            return self.demand(1);
+            return self.demand(STEADY_SOLVES);
         }
         let steps = match self.time.step {
             StepRule::Fixed(_) => self.fixed_steps(),

@@ -171,7 +171,7 @@ error: unknown solver `fear-cg`, did you mean `faer-cg`?; valid names: auto, fae
                 "[solver]\nname = \"faer-cg:precondtioner=jacobi\"\n[time]",
             )],
             stderr: r#"
-error: solver `faer-cg` has no option `precondtioner`, did you mean `preconditioner`?; valid options: preconditioner, tolerance, max_iterations, refactor_above, threshold, smoother_degree
+error: solver `faer-cg` has no option `precondtioner`, did you mean `preconditioner`?; valid options: preconditioner, tolerance, max_iterations, refactor_above, threshold, smoother_degree, inner
   --> scene.toml:16:8
    |
 16 | name = "faer-cg:precondtioner=jacobi"

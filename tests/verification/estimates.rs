@@ -49,6 +49,10 @@ fn sizes_told_by_the_plan_are_those_of_the_run() {
         ],
     );
     compare(
+        "five-spot",
+        &["time.mode=steady", "solver.name=faer-cg:preconditioner=amg"],
+    );
+    compare(
         "reservoir-3d",
         &["time.end=100", "time.step=100", "output.times=[]"],
     );
