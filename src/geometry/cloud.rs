@@ -92,9 +92,14 @@ impl<const D: usize> Cloud<D> {
         let Some(first) = self.nearest(target) else {
             return Vec::new();
         };
-        let limit = (self.position[first] - target).norm() + 1e-6 * self.spacing(first);
+        let limit = self.near_limit(target, first);
         let near = |&i: &usize| (self.position[i] - target).norm() <= limit;
         (0..self.len()).filter(near).collect()
+    }
+
+    /// Distance up to which points are as near to `target` as its nearest point.
+    pub(super) fn near_limit(&self, target: &Vector<D>, nearest: usize) -> f64 {
+        (self.position[nearest] - target).norm() + 1e-6 * self.spacing(nearest)
     }
 }
 

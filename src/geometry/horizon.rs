@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::families::World;
 use super::{Cloud, GeometryError, ImageTable};
+use perifrac_solvers::Partition;
 
 /// Rule that gives every point its horizon δ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,18 +32,41 @@ pub fn horizons<const D: usize>(
     cloud: &Cloud<D>,
     horizon: Horizon,
 ) -> Result<Vec<f64>, GeometryError> {
+    horizons_in_parts(cloud, horizon, None)
+}
+
+/// As [`horizons`], but if there is a partition every process searches for its own points, and all
+/// processes must call this together.
+///
+/// # Errors
+/// As [`horizons`].
+pub fn horizons_in_parts<const D: usize>(
+    cloud: &Cloud<D>,
+    horizon: Horizon,
+    partition: Option<&Partition>,
+) -> Result<Vec<f64>, GeometryError> {
     match horizon {
         Horizon::Radius(radius) => Ok(vec![radius * SLACK; cloud.len()]),
         Horizon::Ratio(ratio) => Ok((0..cloud.len())
             .map(|i| ratio * cloud.spacing(i) * SLACK)
             .collect()),
-        Horizon::Neighbours(neighbours) => nearest_distances(cloud, neighbours),
+        Horizon::Neighbours(neighbours) => {
+            let mask = partition.map(Partition::mask);
+            let wanted = |point: usize| mask.as_ref().is_none_or(|mask| mask[point]);
+            let mut radii = nearest_distances(cloud, neighbours, wanted)?;
+            if let Some(partition) = partition {
+                partition.complete(&mut radii, 1);
+            }
+            Ok(radii)
+        }
     }
 }
 
+/// Distances of the points that are wanted, zeros for the others.
 fn nearest_distances<const D: usize>(
     cloud: &Cloud<D>,
     neighbours: usize,
+    wanted: impl Fn(usize) -> bool + Sync,
 ) -> Result<Vec<f64>, GeometryError> {
     if !cloud.domain.planes && cloud.len() <= neighbours {
         return Err(GeometryError::TooFewPoints {
@@ -63,8 +87,9 @@ fn nearest_distances<const D: usize>(
         let world = World::new(cloud, &images, reach, reach.min(widest));
         let found: Option<Vec<f64>> = (0..cloud.len())
             .into_par_iter()
-            .map_init(Vec::new, |distances, point| {
-                world.nearest(cloud, point, neighbours, first[point], reach, distances)
+            .map_init(Vec::new, |distances, point| match wanted(point) {
+                true => world.nearest(cloud, point, neighbours, first[point], reach, distances),
+                false => Some(0.0),
             })
             .collect();
         match found {

@@ -2,7 +2,7 @@
 
 use crate::effects::vector;
 use crate::geometry::generate::{blocks, graded, jitter, lattice};
-use crate::geometry::{Cloud, Domain, Families, Vector, horizons};
+use crate::geometry::{Cloud, Domain, Families, Locator, Vector, horizons, horizons_in_parts};
 use crate::plan::{GeometryPlan, Plan, PointTable, Profile};
 use perifrac_solvers::{Coordinates, Partition, Team};
 use std::sync::Arc;
@@ -62,9 +62,8 @@ pub fn build_families<const D: usize>(
     cloud: &Cloud<D>,
     team: Option<&Arc<dyn Team>>,
 ) -> Result<Families<D>, ModelError> {
-    let horizon = horizons(cloud, plan.horizon)?;
     let Some(team) = team else {
-        return Ok(Families::search(cloud, horizon)?);
+        return Ok(Families::search(cloud, horizons(cloud, plan.horizon)?)?);
     };
     let values = cloud.flat_positions();
     let coordinates = Coordinates {
@@ -72,6 +71,7 @@ pub fn build_families<const D: usize>(
         values: &values,
     };
     let partition = Partition::bisection(team.clone(), &coordinates);
+    let horizon = horizons_in_parts(cloud, plan.horizon, Some(&partition))?;
     let watched = match team.rank() {
         0 => watched(plan, cloud),
         _ => Vec::new(),
@@ -88,8 +88,15 @@ pub fn build_families<const D: usize>(
 fn watched<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Vec<usize> {
     let probes = plan.output.probes.iter().map(|probe| vector(&probe.at));
     let profiles = plan.output.profiles.iter().flat_map(Profile::places);
-    let places = probes.chain(profiles.map(|place| vector(&place)));
-    places.flat_map(|place| cloud.all_nearest(&place)).collect()
+    let places: Vec<Vector<D>> = probes
+        .chain(profiles.map(|place| vector(&place)))
+        .collect();
+    if places.is_empty() {
+        return Vec::new();
+    }
+    let locator = Locator::new(cloud);
+    let near = |place| locator.all_nearest(place);
+    places.iter().flat_map(near).collect()
 }
 
 fn from_table<const D: usize>(

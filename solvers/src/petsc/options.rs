@@ -151,7 +151,7 @@ impl Flags {
         let others: &[(&str, &str)] = match in_use {
             "lu" | "cholesky" if nature.has_mumps => &MUMPS,
             "gamg" if nature.rigid_modes => &[("-pc_gamg_threshold", "0.05")],
-            "gamg" => &[("-pc_gamg_threshold", "0")],
+            "gamg" => &[("-pc_gamg_threshold", "0.03")],
             "fieldsplit" if nature.blocks => &BLOCKS,
             _ => &[],
         };
