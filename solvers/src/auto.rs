@@ -159,13 +159,14 @@ impl LinearSolver for Auto {
         self.chosen()?.refresh(matrix)
     }
 
-    fn solve(
+    fn solve_to(
         &mut self,
         matrix: CsrView<'_>,
         rhs: &[f64],
         x: &mut [f64],
+        tolerance: f64,
     ) -> Result<SolveReport, SolveError> {
-        self.chosen()?.solve(matrix, rhs, x)
+        self.chosen()?.solve_to(matrix, rhs, x, tolerance)
     }
 
     fn counters(&self) -> &SolverCounters {

@@ -161,11 +161,12 @@ impl LinearSolver for Direct {
         Ok(())
     }
 
-    fn solve(
+    fn solve_to(
         &mut self,
         matrix: CsrView<'_>,
         rhs: &[f64],
         x: &mut [f64],
+        _tolerance: f64,
     ) -> Result<SolveReport, SolveError> {
         self.system.check_solve(matrix, rhs, x)?;
         x.copy_from_slice(rhs);

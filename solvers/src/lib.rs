@@ -96,6 +96,21 @@ pub trait LinearSolver: Send {
         matrix: CsrView<'_>,
         rhs: &[f64],
         x: &mut [f64],
+    ) -> Result<SolveReport, SolveError> {
+        self.solve_to(matrix, rhs, x, 0.0)
+    }
+
+    /// As [`LinearSolver::solve`], for a correction of which few digits matter: iterative backends
+    /// stop at a relative residual of `tolerance` where that is more than their own.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    fn solve_to(
+        &mut self,
+        matrix: CsrView<'_>,
+        rhs: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
     ) -> Result<SolveReport, SolveError>;
 
     /// What the solver has done since it was built.

@@ -126,7 +126,9 @@ fn longest_axis(coordinates: &Coordinates<'_>, points: &[u32]) -> usize {
         high - low
     };
     let axes = 0..coordinates.dimension;
-    axes.max_by(|a, b| extent(a).total_cmp(&extent(b)).then(b.cmp(a)))
+    // Of equal extents the last: clouds count along the first axis first, so that shares are then
+    // contiguous in memory.
+    axes.max_by(|a, b| extent(a).total_cmp(&extent(b)).then(a.cmp(b)))
         .unwrap_or(0)
 }
 

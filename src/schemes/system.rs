@@ -35,6 +35,9 @@ pub struct ImplicitSystem {
 /// Residual, relative to the right-hand side, that needs no further improvement.
 const REFINED: f64 = 1e-13;
 const REFINEMENTS: usize = 4;
+/// Part of the improvement still wanted that a correction aims at, and the least it aims at.
+const FURTHER: f64 = 0.1;
+const LEAST: f64 = 0.1;
 /// Relative change of the coefficient that keeps a factor.
 pub(super) const SAME: f64 = 1e-12;
 /// Residual, relative to the right-hand side, beyond which a solution is refused. At contrasts of 1e12
@@ -178,9 +181,10 @@ impl ImplicitSystem {
             self.correction.resize(x.len(), 0.0);
             self.correction.fill(0.0);
             let (matrix, defect) = (flow.view(&self.values), &self.defect);
+            let enough = (FURTHER * REFINED * scale / left).min(LEAST);
             iterations += self
                 .solver
-                .solve(matrix, defect, &mut self.correction)?
+                .solve_to(matrix, defect, &mut self.correction, enough)?
                 .iterations;
             let candidate: Vec<f64> = x.iter().zip(&self.correction).map(|(x, c)| x + c).collect();
             let after = self.residual(flow, rhs, &candidate);

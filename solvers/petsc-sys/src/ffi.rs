@@ -224,7 +224,6 @@ functions! {
     KSPDestroy: fn(*mut KSP) -> PetscErrorCode;
     PCSetType: fn(PC, PCType) -> PetscErrorCode;
     PCGetType: fn(PC, *mut PCType) -> PetscErrorCode;
-    PCReset: fn(PC) -> PetscErrorCode;
     PCGetFailedReason: fn(PC, *mut PCFailedReason) -> PetscErrorCode;
     PCFactorGetMatrix: fn(PC, *mut Mat) -> PetscErrorCode;
     PCFieldSplitSetIS: fn(PC, *const c_char, IS) -> PetscErrorCode;

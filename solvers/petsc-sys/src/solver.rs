@@ -219,16 +219,6 @@ impl Solver {
         unsafe { call!(self.session, PCGAMGSetReuseInterpolation(pc, keep)) }
     }
 
-    /// Forgets what was set up and the matrix, so that the next set-up starts afresh.
-    ///
-    /// # Errors
-    /// [`PetscError::Call`].
-    pub fn reset(&mut self) -> Result<(), PetscError> {
-        let pc = self.preconditioner_handle()?;
-        // SAFETY: a live object.
-        unsafe { call!(self.session, PCReset(pc)) }
-    }
-
     /// Sets up for the present values of the matrix.
     ///
     /// # Errors

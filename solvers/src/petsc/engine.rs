@@ -1,7 +1,10 @@
 //! The objects of PETSc behind one solver. They live on the thread of PETSc.
 
+use std::borrow::Cow;
+
 use perifrac_petsc_sys::{
-    FactorSize, Failure, IndexSet, Kind, Matrix, PetscError, Rows, Session, Solver, Vector, run,
+    Comm, FactorSize, Failure, IndexSet, Kind, Matrix, PetscError, Rows, Session, Solver, Vector,
+    run,
 };
 
 use super::layout::{Layout, Pattern};
@@ -33,12 +36,25 @@ pub(crate) struct Engine {
     /// Whether unused flags have been looked for after a set-up and after a solve.
     checked: [bool; 2],
     aggregates: Aggregates,
+    recipe: Recipe,
+}
+
+/// How the solver was made, but for blocks.
+struct Recipe {
+    session: &'static Session,
+    comm: Comm,
+    defaults: Vec<(&'static str, String)>,
+    given: String,
+    /// Whether convergence is judged by the true residual.
+    true_residual: bool,
 }
 
 /// Whether `gamg` may keep its aggregates.
 struct Aggregates {
-    /// The user decides by a flag.
-    by_user: bool,
+    /// There are some, and no flag of the user decides.
+    managed: bool,
+    /// They have been made.
+    made: bool,
     /// They stem from an earlier matrix.
     kept: bool,
     /// Iterations per decade with fresh aggregates, and in the last solve.
@@ -82,7 +98,14 @@ impl Engine {
             &rows(layout, pattern),
             kind(problem.symmetry),
         )?;
-        let mut solver = Solver::new(session, comm, &flags.defaults(&nature), &flags.text)?;
+        let mut recipe = Recipe {
+            session,
+            comm,
+            defaults: flags.defaults(&nature),
+            given: flags.text.clone(),
+            true_residual: false,
+        };
+        let mut solver = Solver::new(session, comm, &recipe.defaults, &recipe.given)?;
         solver.set_matrix(&matrix)?;
         if nature.rigid_modes {
             matrix.set_rigid_modes(&coordinates(session, problem, layout)?)?;
@@ -92,18 +115,21 @@ impl Engine {
         }
         solver.configure()?;
         let method = solver.method()?;
-        if knows_true_residual(&method) && !flags.has("-ksp_norm_type") {
+        recipe.true_residual = knows_true_residual(&method) && !flags.has("-ksp_norm_type");
+        if recipe.true_residual {
             solver.use_true_residual()?;
         }
+        let preconditioner = solver.preconditioner()?;
         let vector = || Vector::new(session, comm, layout.rows(), layout.per_point());
         Ok(Self {
-            direct: is_direct(&method, &solver.preconditioner()?),
+            direct: is_direct(&method, &preconditioner),
             matrix,
             solver,
             rhs: vector()?,
             x: vector()?,
             checked: [false; 2],
-            aggregates: Aggregates::new(flags),
+            aggregates: Aggregates::new(flags, &preconditioner),
+            recipe,
         })
     }
 
@@ -113,16 +139,23 @@ impl Engine {
     }
 
     /// Takes new values and sets up for them.
-    pub(crate) fn refresh(&mut self, flags: &Flags, values: &[f64]) -> Result<SetUp, PetscError> {
-        self.matrix.set_values(values)?;
+    pub(crate) fn refresh(
+        &mut self,
+        flags: &Flags,
+        values: Cow<'_, [f64]>,
+    ) -> Result<SetUp, PetscError> {
+        self.matrix.set_values(&values)?;
+        // The set-up is when most memory is in use.
+        drop(values);
         let aggregates = &mut self.aggregates;
-        if !aggregates.by_user {
+        if aggregates.managed {
             let good = |fresh: f64| aggregates.last <= SLOWER * fresh;
             aggregates.kept = aggregates.fresh.is_some_and(good);
-            if !aggregates.kept {
-                aggregates.fresh = None;
+            if aggregates.kept {
+                self.solver.keep_aggregates(true)?;
+            } else if std::mem::replace(&mut aggregates.made, true) {
+                self.start_afresh()?;
             }
-            self.solver.keep_aggregates(aggregates.kept)?;
         }
         let failure = self.set_up()?;
         let mut missed = self.missed(flags, 0)?;
@@ -154,6 +187,28 @@ impl Engine {
         self.solver.set_up()
     }
 
+    /// Makes the solver anew: a hierarchy that was kept once keeps the sizes of its levels, and PETSc
+    /// (3.18) refuses others.
+    fn start_afresh(&mut self) -> Result<(), PetscError> {
+        self.aggregates.kept = false;
+        self.aggregates.fresh = None;
+        let Recipe {
+            session,
+            comm,
+            defaults,
+            given,
+            true_residual,
+        } = &self.recipe;
+        let mut solver = Solver::new(session, *comm, defaults, given)?;
+        solver.set_matrix(&self.matrix)?;
+        solver.configure()?;
+        if *true_residual {
+            solver.use_true_residual()?;
+        }
+        self.solver = solver;
+        Ok(())
+    }
+
     /// Solves for one right-hand side of norm 1 to a relative residual. Where kept aggregates
     /// fail, they are made anew.
     pub(crate) fn solve(
@@ -169,11 +224,9 @@ impl Engine {
         let mut iterations = outcome.iterations;
         let rebuilt = outcome.failure.is_some() && self.aggregates.kept;
         if rebuilt {
-            self.aggregates.kept = false;
-            self.aggregates.fresh = None;
-            self.solver.keep_aggregates(false)?;
-            self.solver.reset()?;
+            self.start_afresh()?;
             self.set_up()?;
+            self.solver.set_tolerance(aim)?;
             outcome = self.solver.solve(&self.rhs, &mut self.x)?;
             iterations += outcome.iterations;
         }
@@ -189,9 +242,10 @@ impl Engine {
 }
 
 impl Aggregates {
-    fn new(flags: &Flags) -> Self {
+    fn new(flags: &Flags, preconditioner: &str) -> Self {
         Self {
-            by_user: flags.has("-pc_gamg_reuse_interpolation"),
+            managed: preconditioner == "gamg" && !flags.has("-pc_gamg_reuse_interpolation"),
+            made: false,
             kept: false,
             fresh: None,
             last: 0.0,

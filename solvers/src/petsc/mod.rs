@@ -264,7 +264,7 @@ impl LinearSolver for Petsc {
         let work = self.work()?;
         let (values, engine) = (work.layout.values(&matrix), &mut work.engine);
         let set_up = engine::on_thread(&flags, |session| {
-            engine.get(session).refresh(&flags, &values)
+            engine.get(session).refresh(&flags, values)
         })?;
         outcome::of_set_up(&set_up)?;
         if let Some(size) = set_up.factor {
@@ -277,11 +277,12 @@ impl LinearSolver for Petsc {
         Ok(())
     }
 
-    fn solve(
+    fn solve_to(
         &mut self,
         matrix: CsrView<'_>,
         rhs: &[f64],
         x: &mut [f64],
+        tolerance: f64,
     ) -> Result<SolveReport, SolveError> {
         self.system.check_solve(matrix, rhs, x)?;
         if self.work()?.direct {
@@ -291,7 +292,11 @@ impl LinearSolver for Petsc {
         if rhs.iter().all(|value| value.abs() == 0.0) {
             x.fill(0.0);
         }
-        let (found, iterations) = self.iterate(matrix, rhs, x)?;
+        let own = self.tolerance;
+        self.tolerance = own.max(tolerance);
+        let solved = self.iterate(matrix, rhs, x);
+        self.tolerance = own;
+        let (found, iterations) = solved?;
         self.counters.solves += 1;
         Ok(found.report(iterations))
     }
