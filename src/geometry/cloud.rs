@@ -86,21 +86,6 @@ impl<const D: usize> Cloud<D> {
             distance(a).total_cmp(&distance(b))
         })
     }
-
-    /// All points as near to `target` (metres) as the nearest one, up to rounding.
-    pub fn all_nearest(&self, target: &Vector<D>) -> Vec<usize> {
-        let Some(first) = self.nearest(target) else {
-            return Vec::new();
-        };
-        let limit = self.near_limit(target, first);
-        let near = |&i: &usize| (self.position[i] - target).norm() <= limit;
-        (0..self.len()).filter(near).collect()
-    }
-
-    /// Distance up to which points are as near to `target` as its nearest point.
-    pub(super) fn near_limit(&self, target: &Vector<D>, nearest: usize) -> f64 {
-        (self.position[nearest] - target).norm() + 1e-6 * self.spacing(nearest)
-    }
 }
 
 /// Edge of a cube of the given volume in `dimension` dimensions.

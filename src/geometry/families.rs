@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::cell_list::CellList;
+use super::near::Near;
 use super::{Cloud, GeometryError, ImageTable, Share, Vector};
 use perifrac_solvers::Partition;
 
@@ -14,11 +15,20 @@ pub(super) struct World<const D: usize> {
 }
 
 impl<const D: usize> World<D> {
-    /// Collects real points and all images within `reach` metres of the domain.
-    pub fn new(cloud: &Cloud<D>, images: &ImageTable<D>, reach: f64, edge: f64) -> Self {
-        let mut positions = cloud.position.clone();
-        let mut source: Vec<u32> = (0..cloud.len() as u32).collect();
-        let mut image = vec![0_u8; cloud.len()];
+    /// Collects real points and all images within `reach` metres of the domain; only those that are
+    /// `near`, if it is told what that means.
+    pub fn new(
+        cloud: &Cloud<D>,
+        images: &ImageTable<D>,
+        reach: f64,
+        edge: f64,
+        near: Option<&Near<D>>,
+    ) -> Self {
+        let wanted = |x: &Vector<D>| near.is_none_or(|near| near.holds(x));
+        let all = (0_u32..).zip(&cloud.position);
+        let (source, positions) = all.filter(|(_, x)| wanted(x)).unzip();
+        let (mut source, mut positions): (Vec<u32>, Vec<Vector<D>>) = (source, positions);
+        let mut image = vec![0_u8; source.len()];
         let (low, high) = (
             cloud.domain.lower.add_scalar(-reach),
             cloud.domain.upper.add_scalar(reach),
@@ -26,7 +36,7 @@ impl<const D: usize> World<D> {
         for (number, mirror) in images.iter().enumerate().skip(1) {
             for (point, x) in cloud.position.iter().enumerate() {
                 let y = mirror.place(x);
-                if y >= low && y <= high {
+                if y >= low && y <= high && wanted(&y) {
                     positions.push(y);
                     source.push(point as u32);
                     image.push(number as u8);
@@ -102,11 +112,22 @@ impl<const D: usize> Families<D> {
         let reach = horizon.iter().copied().fold(0.0, f64::max);
         let images = ImageTable::new(&cloud.domain, reach)?;
         let typical = horizon.iter().sum::<f64>() / horizon.len().max(1) as f64;
-        let world = World::new(cloud, &images, reach, typical);
-        let share = partition.map_or_else(Share::default, |partition| {
-            let held = held_families(cloud, &world, &horizon, &partition, watched);
-            Share::of(partition, held)
-        });
+        let (world, share) = match partition {
+            None => (
+                World::new(cloud, &images, reach, typical, None),
+                Share::WHOLE,
+            ),
+            Some(partition) => {
+                let own = partition.own().iter().map(|point| *point as usize);
+                let points = own.chain(watched.iter().copied());
+                let positions: Vec<Vector<D>> = points.map(|point| cloud.position[point]).collect();
+                // Families of points that see an own one reach as far again.
+                let near = Near::new(&positions, 2.0 * reach);
+                let world = World::new(cloud, &images, reach, typical, Some(&near));
+                let held = held_families(cloud, &world, &near, &horizon, &partition, watched);
+                (world, Share::of(partition, held))
+            }
+        };
         let chunks: Vec<Chunk> = (0..cloud.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -244,24 +265,28 @@ impl<const D: usize> Families<D> {
 }
 
 /// The points of this process, all points that see one of them, and those that are watched.
-///
-/// An image of a point sees another point exactly as the point sees that one's image.
 fn held_families<const D: usize>(
     cloud: &Cloud<D>,
     world: &World<D>,
+    near: &Near<D>,
     horizon: &[f64],
     partition: &Partition,
     watched: &[usize],
 ) -> Vec<bool> {
-    let mut held = partition.mask();
-    watched.iter().for_each(|point| held[*point] = true);
-    let reach = horizon.iter().copied().fold(0.0, f64::max);
-    for &own in partition.own() {
-        world.within(&cloud.position[own as usize], reach, |index, squared| {
-            let (source, _) = world.origin(index);
-            held[source] |= squared <= horizon[source].powi(2) * (1.0 + 1e-12);
+    let own = partition.mask();
+    let sees_own = |point: usize| {
+        let mut seen = false;
+        let x = &cloud.position[point];
+        world.within(x, horizon[point], |index, _| {
+            seen |= own[world.origin(index).0];
         });
-    }
+        seen
+    };
+    let mut held: Vec<bool> = (0..cloud.len())
+        .into_par_iter()
+        .map(|point| own[point] || (near.holds(&cloud.position[point]) && sees_own(point)))
+        .collect();
+    watched.iter().for_each(|point| held[*point] = true);
     held
 }
 

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::families::World;
-use super::{Cloud, GeometryError, ImageTable};
+use super::near::Near;
+use super::{Cloud, GeometryError, ImageTable, Vector};
 use perifrac_solvers::Partition;
 
 /// Rule that gives every point its horizon δ.
@@ -51,22 +52,21 @@ pub fn horizons_in_parts<const D: usize>(
             .map(|i| ratio * cloud.spacing(i) * SLACK)
             .collect()),
         Horizon::Neighbours(neighbours) => {
-            let mask = partition.map(Partition::mask);
-            let wanted = |point: usize| mask.as_ref().is_none_or(|mask| mask[point]);
-            let mut radii = nearest_distances(cloud, neighbours, wanted)?;
-            if let Some(partition) = partition {
-                partition.complete(&mut radii, 1);
-            }
+            let Some(partition) = partition else {
+                return nearest_distances(cloud, neighbours, None);
+            };
+            let mut radii = nearest_distances(cloud, neighbours, Some(&partition.mask()))?;
+            partition.complete(&mut radii, 1);
             Ok(radii)
         }
     }
 }
 
-/// Distances of the points that are wanted, zeros for the others.
+/// Distances of the points that are wanted, of all without a mask; zeros for the others.
 fn nearest_distances<const D: usize>(
     cloud: &Cloud<D>,
     neighbours: usize,
-    wanted: impl Fn(usize) -> bool + Sync,
+    mask: Option<&[bool]>,
 ) -> Result<Vec<f64>, GeometryError> {
     if !cloud.domain.planes && cloud.len() <= neighbours {
         return Err(GeometryError::TooFewPoints {
@@ -79,15 +79,21 @@ fn nearest_distances<const D: usize>(
         2 => (2.0 * (neighbours + 1) as f64 / std::f64::consts::PI).sqrt(),
         _ => (1.5 * (neighbours + 1) as f64 / std::f64::consts::PI).cbrt(),
     };
+    let wanted = |point: &usize| mask.is_none_or(|mask| mask[*point]);
     let first: Vec<f64> = (0..cloud.len()).map(|i| wide * cloud.spacing(i)).collect();
     let widest = first.iter().copied().fold(0.0, f64::max);
     let mut reach = widest;
     loop {
         let images = ImageTable::new(&cloud.domain, reach)?;
-        let world = World::new(cloud, &images, reach, reach.min(widest));
+        let near = mask.map(|_| {
+            let points = (0..cloud.len()).filter(wanted);
+            let positions: Vec<Vector<D>> = points.map(|point| cloud.position[point]).collect();
+            Near::new(&positions, reach)
+        });
+        let world = World::new(cloud, &images, reach, reach.min(widest), near.as_ref());
         let found: Option<Vec<f64>> = (0..cloud.len())
             .into_par_iter()
-            .map_init(Vec::new, |distances, point| match wanted(point) {
+            .map_init(Vec::new, |distances, point| match wanted(&point) {
                 true => world.nearest(cloud, point, neighbours, first[point], reach, distances),
                 false => Some(0.0),
             })

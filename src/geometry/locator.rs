@@ -1,9 +1,35 @@
-//! Nearest points of many places.
+//! Places that are no points, and the points nearest to them.
 
 use super::cell_list::CellList;
 use super::{Cloud, Vector};
 
-/// Finds the points nearest to places; pays for its preparation from a few places on.
+/// A place and the points that give the values there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place<const D: usize> {
+    /// Position in metres.
+    pub at: Vector<D>,
+    /// All points as near as the nearest one, up to rounding, ascending.
+    pub nearest: Vec<usize>,
+}
+
+impl<const D: usize> Place<D> {
+    /// Looks at all points; many places are found faster by a [`Locator`].
+    pub fn find(cloud: &Cloud<D>, at: Vector<D>) -> Self {
+        let nearest = cloud.nearest(&at).map_or_else(Vec::new, |first| {
+            let limit = limit(cloud, &at, first);
+            let near = |&i: &usize| (cloud.position[i] - at).norm() <= limit;
+            (0..cloud.len()).filter(near).collect()
+        });
+        Place { at, nearest }
+    }
+}
+
+/// Distance up to which points count as near as the nearest one.
+fn limit<const D: usize>(cloud: &Cloud<D>, at: &Vector<D>, nearest: usize) -> f64 {
+    (cloud.position[nearest] - at).norm() + 1e-6 * cloud.spacing(nearest)
+}
+
+/// Finds many places; pays for its preparation from a few places on.
 pub struct Locator<'a, const D: usize> {
     cloud: &'a Cloud<D>,
     cells: CellList<D>,
@@ -24,35 +50,37 @@ impl<'a, const D: usize> Locator<'a, D> {
         }
     }
 
-    /// As [`Cloud::all_nearest`], in ascending order.
-    pub fn all_nearest(&self, target: &Vector<D>) -> Vec<usize> {
-        if self.cloud.is_empty() || !target.iter().all(|x| x.is_finite()) {
-            return self.cloud.all_nearest(target);
+    /// As [`Place::find`].
+    pub fn place(&self, at: Vector<D>) -> Place<D> {
+        if self.cloud.is_empty() || !at.iter().all(|x| x.is_finite()) {
+            return Place::find(self.cloud, at);
         }
+        let limit = limit(self.cloud, &at, self.nearest(&at));
+        let mut nearest = Vec::new();
+        // The limit is one on distances; squares are compared with room for their rounding.
+        self.cells.within(&at, limit * (1.0 + 1e-12), |index, _| {
+            nearest.push(index as usize);
+        });
+        nearest.retain(|&i| (self.cloud.position[i] - at).norm() <= limit);
+        nearest.sort_unstable();
+        Place { at, nearest }
+    }
+
+    fn nearest(&self, at: &Vector<D>) -> usize {
         let mut radius = self.reach;
-        let nearest = loop {
+        loop {
             let mut nearest = (f64::INFINITY, u32::MAX);
-            self.cells.within(target, radius, |index, squared| {
+            self.cells.within(at, radius, |index, squared| {
                 let better = squared.total_cmp(&nearest.0).then(index.cmp(&nearest.1));
                 if better.is_lt() {
                     nearest = (squared, index);
                 }
             });
             if nearest.0.is_finite() {
-                break nearest.1 as usize;
+                return nearest.1 as usize;
             }
             radius *= 2.0;
-        };
-        let limit = self.cloud.near_limit(target, nearest);
-        let mut found = Vec::new();
-        // The limit is one on distances; squares are compared with room for their rounding.
-        self.cells
-            .within(target, limit * (1.0 + 1e-12), |index, _| {
-                found.push(index as usize)
-            });
-        found.retain(|&i| (self.cloud.position[i] - target).norm() <= limit);
-        found.sort_unstable();
-        found
+        }
     }
 }
 
@@ -72,7 +100,7 @@ mod tests {
             let locator = Locator::new(&cloud);
             let corner = cloud.domain.upper / 2.0;
             for place in [Vector::from(place), cloud.position[11], corner] {
-                prop_assert_eq!(locator.all_nearest(&place), cloud.all_nearest(&place));
+                prop_assert_eq!(locator.place(place), Place::find(&cloud, place));
             }
         }
     }

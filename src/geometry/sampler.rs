@@ -23,7 +23,7 @@ impl<'a, const D: usize> Sampler<'a, D> {
         let horizon = horizons(cloud, horizon)?;
         let reach = horizon.iter().copied().fold(0.0, f64::max);
         let images = ImageTable::new(&cloud.domain, reach)?;
-        let world = World::new(cloud, &images, reach, reach);
+        let world = World::new(cloud, &images, reach, reach, None);
         Ok(Sampler {
             cloud,
             horizon,

@@ -2,8 +2,8 @@
 
 use crate::effects::vector;
 use crate::geometry::generate::{blocks, graded, jitter, lattice};
-use crate::geometry::{Cloud, Domain, Families, Locator, Vector, horizons, horizons_in_parts};
-use crate::plan::{GeometryPlan, Plan, PointTable, Profile};
+use crate::geometry::{Cloud, Domain, Families, Vector, horizons, horizons_in_parts};
+use crate::plan::{GeometryPlan, Plan, PointTable};
 use perifrac_solvers::{Coordinates, Partition, Team};
 use std::sync::Arc;
 
@@ -53,7 +53,8 @@ pub fn build_cloud<const D: usize>(
     }
 }
 
-/// Finds the families of the plan's horizon; with a team only those that this process needs.
+/// Finds the families of the plan's horizon; with a team only those that this process needs, to which
+/// the first adds those of points in `watched`.
 ///
 /// # Errors
 /// [`ModelError::Geometry`].
@@ -61,6 +62,7 @@ pub fn build_families<const D: usize>(
     plan: &Plan,
     cloud: &Cloud<D>,
     team: Option<&Arc<dyn Team>>,
+    watched: &[usize],
 ) -> Result<Families<D>, ModelError> {
     let Some(team) = team else {
         return Ok(Families::search(cloud, horizons(cloud, plan.horizon)?)?);
@@ -72,31 +74,13 @@ pub fn build_families<const D: usize>(
     };
     let partition = Partition::bisection(team.clone(), &coordinates);
     let horizon = horizons_in_parts(cloud, plan.horizon, Some(&partition))?;
-    let watched = match team.rank() {
-        0 => watched(plan, cloud),
-        _ => Vec::new(),
-    };
+    let watched = if team.rank() == 0 { watched } else { &[] };
     Ok(Families::search_share(
         cloud,
         horizon,
         Some(partition),
-        &watched,
+        watched,
     )?)
-}
-
-/// Points whose slopes the first process needs for probes and profiles.
-fn watched<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Vec<usize> {
-    let probes = plan.output.probes.iter().map(|probe| vector(&probe.at));
-    let profiles = plan.output.profiles.iter().flat_map(Profile::places);
-    let places: Vec<Vector<D>> = probes
-        .chain(profiles.map(|place| vector(&place)))
-        .collect();
-    if places.is_empty() {
-        return Vec::new();
-    }
-    let locator = Locator::new(cloud);
-    let near = |place| locator.all_nearest(place);
-    places.iter().flat_map(near).collect()
 }
 
 fn from_table<const D: usize>(

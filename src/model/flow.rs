@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
-use crate::geometry::{Cloud, Families, Share, Side, Vector};
+use crate::geometry::{Cloud, Families, Place, Share, Side, Vector};
 use crate::operators::{Extension, Neighbourhood, Parity};
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
@@ -332,14 +332,13 @@ impl<const D: usize> FlowModel<D> {
 
     /// Pressure at any place: value and slope of the nearest point, averaged over equally near ones,
     /// so that on the interface of two materials both sides count alike, Pa.
-    pub fn pressure_at(&self, pressure: &[f64], time: f64, place: &Vector<D>) -> f64 {
+    pub fn pressure_at(&self, pressure: &[f64], time: f64, place: &Place<D>) -> f64 {
         let cloud = &self.operator.neighbourhood().cloud;
-        let near = cloud.all_nearest(place);
         let value = |&point: &usize| {
             let slope = self.slope(pressure, time, point);
-            pressure[point] + slope.dot(&(place - cloud.position[point]))
+            pressure[point] + slope.dot(&(place.at - cloud.position[point]))
         };
-        near.iter().map(value).sum::<f64>() / near.len() as f64
+        place.nearest.iter().map(value).sum::<f64>() / place.nearest.len() as f64
     }
 
     /// Bond difference that drives the flux: pressure, wall values and weight, Pa.

@@ -5,6 +5,7 @@ mod coupling;
 mod diffusion;
 mod error;
 mod flow;
+mod places;
 mod properties;
 mod sample;
 mod solid;
@@ -18,6 +19,7 @@ pub use cloud::{build_cloud, build_families};
 pub use coupling::{Audit, Coupling};
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
+pub use places::Places;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel};
 
@@ -40,6 +42,8 @@ pub struct Model<const D: usize> {
     pub solid: Option<SolidModel<D>>,
     /// What couples the two.
     pub coupling: Option<Coupling>,
+    /// Probes and profiles.
+    pub places: Places<D>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -67,7 +71,10 @@ impl<const D: usize> Model<D> {
         }
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         let cloud = Arc::new(cloud);
-        let families = timers.time("families", || build_families(plan, &cloud, team))?;
+        let places = Places::find(plan, &cloud);
+        let families = timers.time("families", || {
+            build_families(plan, &cloud, team, &places.points())
+        })?;
         let points = properties::assign(plan, &cloud, table)?;
         let mut warnings = Vec::new();
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
@@ -96,6 +103,7 @@ impl<const D: usize> Model<D> {
             flow,
             solid,
             coupling,
+            places,
             warnings,
         })
     }

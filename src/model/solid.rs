@@ -14,7 +14,7 @@ use crate::assembly::{
     Consistency, Pattern, Planes, consistent_gradient, fill_stiffness, matrix_bytes,
 };
 use crate::effects::{self, Counted, SolidContext};
-use crate::geometry::{Cloud, Families, Matrix, Share, Side, Vector};
+use crate::geometry::{Cloud, Families, Matrix, Place, Share, Side, Vector};
 use crate::load::Load;
 use crate::operators::{Divergence, Elastic, Extension, Neighbourhood, Parity, point_value};
 use crate::plan::{MechanicsPlan, Plan, Support};
@@ -352,16 +352,15 @@ impl<const D: usize> SolidModel<D> {
         &self,
         displacement: &[f64],
         walls: &[f64],
-        place: &Vector<D>,
+        place: &Place<D>,
     ) -> Vector<D> {
         let cloud = &self.elastic.around.cloud;
-        let near = cloud.all_nearest(place);
         let value = |&point: &usize| {
             let difference = |bond| self.difference(displacement, walls, point, bond);
             let slope = self.elastic.gradient_of(point, difference);
-            point_value::<D>(displacement, point) + slope * (place - cloud.position[point])
+            point_value::<D>(displacement, point) + slope * (place.at - cloud.position[point])
         };
-        near.iter().map(value).sum::<Vector<D>>() / near.len() as f64
+        place.nearest.iter().map(value).sum::<Vector<D>>() / place.nearest.len() as f64
     }
 
     /// Times at which a load's slope jumps.

@@ -176,7 +176,11 @@ mod tests {
 
     #[test]
     fn of_points_on_a_line_the_first_is_named_as_singular() {
-        let cloud = lattice(Vector::<2>::zeros(), Vector::<2>::new(1.0, 1e-4), [10_000, 1]);
+        let cloud = lattice(
+            Vector::<2>::zeros(),
+            Vector::<2>::new(1.0, 1e-4),
+            [10_000, 1],
+        );
         let mut cloud = cloud.unwrap();
         cloud.domain.planes = false;
         let horizon = horizons(&cloud, Horizon::Radius(2.5e-4)).unwrap();

@@ -1,7 +1,6 @@
 //! Columns of history.csv: what a scene does not name has none.
 
-use crate::effects::vector;
-use crate::geometry::{Side, Vector};
+use crate::geometry::Side;
 use crate::model::{Model, MovingWall};
 use crate::plan::{MechanicsPlan, Plan, Support};
 use crate::report::Balance;
@@ -64,7 +63,7 @@ pub fn row<const D: usize>(
     balance: &Balance,
 ) -> Vec<f64> {
     let mut row = vec![state.time, dt, iterations as f64];
-    let places: Vec<Vector<D>> = plan.output.probes.iter().map(|p| vector(&p.at)).collect();
+    let places = &model.places.probes;
     if let Some(flow) = &model.flow {
         row.extend(extremes(&state.pressure));
         row.extend(
@@ -75,7 +74,7 @@ pub fn row<const D: usize>(
     }
     if let (Some(solid), Some(mechanics)) = (&model.solid, &plan.mechanics) {
         row.push(largest::<D>(&state.displacement));
-        for at in &places {
+        for at in places {
             row.extend(
                 solid
                     .displacement_at(&state.displacement, &state.walls, at)

@@ -48,11 +48,11 @@ pub fn run_text(text: &str, overrides: &[&str]) -> (Summary, State) {
 /// Pressures at the probes of a 2-D plan at its end.
 pub fn probe_values(plan: &Plan) -> Vec<f64> {
     let (_, state) = try_run(plan).unwrap_or_else(|error| panic!("{error}"));
-    let flow = flow_model::<2>(plan);
-    let probes = plan.output.probes.iter();
-    let place = |at: &[f64]| Vector::<2>::new(at[0], at[1]);
+    let model = model::<2>(plan);
+    let flow = model.flow.expect("the plan names flow");
+    let probes = model.places.probes.iter();
     probes
-        .map(|p| flow.pressure_at(&state.pressure, state.time, &place(&p.at)))
+        .map(|place| flow.pressure_at(&state.pressure, state.time, place))
         .collect()
 }
 

@@ -175,6 +175,8 @@ fn mandel_pressure_and_its_rise_above_the_undrained_one() {
             let (_, state) = try_run(&plan).unwrap();
             let flow = crate::support::flow_model::<2>(&plan);
             let centre = perifrac::geometry::Vector::<2>::new(0.0, 0.05);
+            let centre =
+                perifrac::geometry::Place::find(&flow.operator.neighbourhood().cloud, centre);
             let found = flow.pressure_at(&state.pressure, state.time, &centre);
             println!("mandel {scheme} {end}: {found:.6} against {exact:.6}");
             assert!(

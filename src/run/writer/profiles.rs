@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::super::columns::AXES;
 use crate::effects::vector;
-use crate::geometry::Vector;
+use crate::geometry::{Place, Vector};
 use crate::model::Model;
 use crate::output::{
     History, LinePlot, LineStyle, OutputError, Series, lines_svg, plots::readable_time,
 };
-use crate::plan::{Plan, Profile, TimeMode, exact_displacement, exact_pressure};
+use crate::plan::{Plan, TimeMode, exact_displacement, exact_pressure};
 use crate::reference::{ExactDisplacement, ExactPressure};
 use crate::schemes::State;
 
@@ -82,11 +82,11 @@ impl Profiles {
         let share = |seen: usize| seen * MOST_CURVES.min(self.outputs) / self.outputs;
         let drawn = plan.output.plots && share(self.seen) > share(self.seen - 1);
         let exact_time = self.exact_time(plan, state);
-        for (line, profile) in self.lines.iter_mut().zip(&plan.output.profiles) {
-            let places = places::<D>(profile);
+        let profiles = plan.output.profiles.iter().zip(&model.places.profiles);
+        for (line, (profile, places)) in self.lines.iter_mut().zip(profiles) {
             let from = vector::<D>(&profile.from);
-            line.distance = places.iter().map(|x| (x - from).norm()).collect();
-            let values = along(model, state, &self.exact, exact_time, &places);
+            line.distance = places.iter().map(|x| (x.at - from).norm()).collect();
+            let values = along(model, state, &self.exact, exact_time, places);
             let path = self.folder.join(format!("profile-{}.csv", profile.name));
             line.write(&path, state.time, &values)?;
             if drawn {
@@ -132,17 +132,13 @@ fn outputs(plan: &Plan) -> usize {
     times.len() + 1
 }
 
-fn places<const D: usize>(profile: &Profile) -> Vec<Vector<D>> {
-    profile.places().iter().map(|place| vector(place)).collect()
-}
-
 /// All fields at the places; exact values are gaps where there is no time to compare at.
 fn along<const D: usize>(
     model: &Model<D>,
     state: &State,
     exact: &Exact,
     time: Option<f64>,
-    places: &[Vector<D>],
+    places: &[Place<D>],
 ) -> Vec<Values> {
     let mut all = Vec::new();
     if let Some(flow) = &model.flow {
@@ -156,7 +152,7 @@ fn along<const D: usize>(
             name: "pressure".to_owned(),
             unit: "Pa",
             computed: places.iter().map(computed).collect(),
-            exact: exact.map(|exact| places.iter().map(|x| known(exact, x)).collect()),
+            exact: exact.map(|exact| places.iter().map(|x| known(exact, &x.at)).collect()),
         });
     }
     if let Some(solid) = &model.solid {
@@ -168,7 +164,7 @@ fn along<const D: usize>(
         };
         let exact = exact.displacement.as_deref();
         let exact: Option<Vec<Vector<D>>> =
-            exact.map(|exact| places.iter().map(|x| known(exact, x)).collect());
+            exact.map(|exact| places.iter().map(|x| known(exact, &x.at)).collect());
         all.extend((0..D).map(|axis| {
             Values {
                 name: format!("displacement_{}", AXES[axis]),
