@@ -17,7 +17,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use perifrac_solvers::{LinearSolver, SolverCounters, SolverSpec, multiply, norm2};
 use serde::{Deserialize, Serialize};
 
-use support::quick;
+use support::{memory, quick};
 use systems::{LinearSystem, Physics, Rock};
 
 /// Relative residual that iterative backends are asked for.
@@ -388,21 +388,15 @@ fn resident(process: u32) -> Option<u64> {
     memory(&format!("/proc/{process}/status"), "VmRSS:")
 }
 
-fn memory(path: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(path).ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(kilobytes * 1024)
-}
-
 /// The process of one cell.
 fn child(words: &[String]) -> Result<()> {
     let [physics, rock, cells, solver, steps] = words else {
         bail!("a cell has five words");
     };
     let (physics, rock) = (Physics::parse(physics)?, Rock::parse(rock)?);
+    let steps = steps.parse()?;
     let build = Instant::now();
-    let mut system = LinearSystem::new(physics, rock, cells.parse()?)?;
+    let mut system = LinearSystem::new(physics, rock, cells.parse()?, steps > 0)?;
     let build_s = build.elapsed().as_secs_f64();
     let rhs = system.rhs();
     let mut solver = with_tolerance(solver).parse::<SolverSpec>()?.build()?;
@@ -432,13 +426,7 @@ fn child(words: &[String]) -> Result<()> {
         steps: Vec::new(),
         rebuilds: 0,
     };
-    grow(
-        &mut system,
-        &mut *solver,
-        &mut x,
-        steps.parse()?,
-        &mut figures,
-    )?;
+    grow(&mut system, &mut *solver, &mut x, steps, &mut figures)?;
     if words[3].contains(':') || figures.backend != words[3] {
         figures.backend = format!("{}{}", words[3], chosen(&words[3], &figures.backend));
     }

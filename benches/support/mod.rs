@@ -141,6 +141,14 @@ pub fn median(samples: &[f64]) -> f64 {
     }
 }
 
+/// A figure in bytes under `key` of a process's status file, such as `VmHWM:`.
+pub fn memory(path: &str, key: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(path).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
 /// A pressure field with a share of every mode, in Pa around 1 MPa, shape `(n,)`.
 pub fn rough_pressure(points: usize) -> Vec<f64> {
     (0..points)

@@ -109,8 +109,9 @@ pub struct LinearSystem {
 }
 
 impl LinearSystem {
-    /// Builds the system of `physics` in `rock` with `cells` points along each side.
-    pub fn new(physics: Physics, rock: Rock, cells: usize) -> Result<Self> {
+    /// Builds the system of `physics` in `rock` with `cells` points along each side. Only if it grows
+    /// does it keep the solid beside the matrix.
+    pub fn new(physics: Physics, rock: Rock, cells: usize, grows: bool) -> Result<Self> {
         let model = model(physics, rock, cells)?;
         let coordinates = model.cloud.flat_positions();
         let system = |matrix, symmetry, unknowns_per_point, schur_diagonal| LinearSystem {
@@ -124,6 +125,10 @@ impl LinearSystem {
         match physics {
             Physics::Elasticity => {
                 let solid = model.solid.context("a solid")?;
+                if !grows {
+                    let matrix = solid.stiffness;
+                    return Ok(system(matrix, Symmetry::PositiveDefinite, 2, None));
+                }
                 let matrix = solid.stiffness.clone();
                 let own = system(matrix, Symmetry::PositiveDefinite, 2, None);
                 Ok(LinearSystem {
