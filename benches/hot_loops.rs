@@ -71,11 +71,11 @@ fn operator_loops<const D: usize>(plan: &Plan, group: &mut Group<'_>) -> Result<
 /// What happens once per run.
 fn set_up<const D: usize>(plan: &Plan, group: &mut Group<'_>) -> Result<()> {
     let (cloud, _) = build_cloud::<D>(plan)?;
-    build_families(plan, &cloud, None)?;
+    build_families(plan, &cloud, None, &[])?;
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     group.throughput(Throughput::Elements(cloud.len() as u64));
     group.bench_function("families", |bench| {
-        bench.iter(|| black_box(build_families(plan, &cloud, None).is_ok()));
+        bench.iter(|| black_box(build_families(plan, &cloud, None, &[]).is_ok()));
     });
     group.bench_function("model", |bench| {
         bench.iter(|| black_box(model::<D>(plan).is_ok()))

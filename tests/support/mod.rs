@@ -4,7 +4,6 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use perifrac::geometry::Vector;
 use perifrac::model::{FlowModel, Model};
 use perifrac::plan::{Plan, resolve};
 use perifrac::report::Timers;
