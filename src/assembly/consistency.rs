@@ -200,6 +200,12 @@ pub fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, sides: &[Side])
     let mut layer: Vec<f64> = (0..around.len())
         .map(|point| f64::from(u8::from(feels(point))))
         .collect();
+    // Across a crack a side is felt all the same: what the faces take is told apart.
+    for bond in &around.families.severed {
+        if crossing[bond.owner as usize] {
+            layer[bond.neighbour as usize] = 1.0;
+        }
+    }
     around.families.share.complete(&mut layer, 1);
     layer.into_iter().map(|own| own > 0.5).collect()
 }

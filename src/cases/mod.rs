@@ -66,6 +66,10 @@ pub const CASES: &[Case] = &[
         "a strip footing on a nearly undrained layer: the pressure-oscillation trap"
     ),
     case!(
+        "sneddon",
+        "a crack opened by pressure, against Sneddon's solution"
+    ),
+    case!(
         "manufactured",
         "a smooth solution with its own source, for convergence studies"
     ),

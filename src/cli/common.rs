@@ -133,6 +133,9 @@ impl Planned {
                 Some(scene.geometry.span)
             }
             ModelError::Geometry(_) => Some(horizon),
+            ModelError::CrackThroughPoint { name, .. } => {
+                scene.cracks.get(name).map(|crack| crack.points.span)
+            }
             ModelError::EmptyRegion { material: name } => {
                 material(name)?.region.as_ref().map(|region| region.span)
             }

@@ -2,6 +2,7 @@
 //!
 //! A new effect is one new file and one line in `registry`.
 
+mod cracks;
 mod flux;
 mod gravity;
 mod solid;

@@ -1,10 +1,11 @@
 //! Loads on the solid: tractions on sides, body forces, weight, initial stress.
 
+use super::cracks::crack_pressures;
 use super::{Counted, Effect, EffectError, vector};
 use crate::assembly::{Planes, boundary_layer, natural_extension};
 use crate::geometry::{Matrix, Side, Vector};
 use crate::load::Load;
-use crate::operators::{Elastic, column_sums};
+use crate::operators::{Elastic, column_sums, face_areas};
 use crate::plan::{MechanicsPlan, Plan, Support, TractionPlan};
 
 /// Everything loads on the solid may look at while they are built.
@@ -22,8 +23,15 @@ pub struct SolidContext<'a, const D: usize> {
 type Build<const D: usize> = fn(&SolidContext<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
 
 /// Every load with the function that builds it, or nothing if the plan does not name it.
-fn registry<const D: usize>() -> [Build<D>; 5] {
-    [tractions, loads, body_force, weight, initial_stress]
+fn registry<const D: usize>() -> [Build<D>; 6] {
+    [
+        tractions,
+        loads,
+        body_force,
+        weight,
+        initial_stress,
+        crack_pressures,
+    ]
 }
 
 /// Builds the loads the plan names and no others.
@@ -41,11 +49,11 @@ pub fn build_solid<const D: usize>(
 }
 
 /// A force field that scales with one load over time.
-struct SolidLoad {
-    name: &'static str,
+pub(super) struct SolidLoad {
+    pub(super) name: &'static str,
     /// Unknown and its force per unit of the load.
-    share: Vec<(u32, f64)>,
-    load: Load,
+    pub(super) share: Vec<(u32, f64)>,
+    pub(super) load: Load,
 }
 
 impl Effect for SolidLoad {
@@ -83,6 +91,8 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
     let sums = column_sums(around, weight, |_, bond| {
         natural.sign(around.families.image(bond))
     });
+    // Faces of cracks near the side are none of it.
+    let faces = face_areas(around, 0..u16::MAX, |_, image| natural.sign(image));
     let domain = &around.cloud.domain;
     let opposite = Side {
         axis: side.axis,
@@ -95,7 +105,7 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
         layer[point] && gap(side) < gap(opposite)
     };
     let area = |(point, sum): (usize, &Vector<D>)| match near(point) {
-        true => side.outward() * sum[side.axis],
+        true => side.outward() * (sum[side.axis] - faces[point][side.axis]),
         false => 0.0,
     };
     sums.iter().enumerate().map(area).collect()

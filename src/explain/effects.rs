@@ -3,7 +3,7 @@
 use super::{Reason, reason};
 use crate::geometry::Side;
 use crate::model::Sample;
-use crate::plan::{Load, MechanicsPlan, OperatorChoice, Plan, Support};
+use crate::plan::{CrackPlan, Load, MechanicsPlan, OperatorChoice, Plan, Support};
 
 /// Effects of the plan and what in the scene calls for them.
 pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
@@ -33,6 +33,7 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
         ));
         effects.extend(sides(mechanics, plan.dimension));
         effects.extend(forces(plan, mechanics));
+        effects.extend(cracks(plan));
     }
     if let Some(coupling) = &plan.coupling {
         let start = match coupling.undrained_start {
@@ -69,6 +70,26 @@ fn sides(mechanics: &MechanicsPlan, dimension: usize) -> Vec<Reason> {
             (!sides.is_empty()).then(|| reason(name, why))
         })
         .collect()
+}
+
+/// Cracks, and what presses on their faces.
+fn cracks(plan: &Plan) -> Vec<Reason> {
+    let names = |wanted: fn(&&CrackPlan) -> bool| -> Vec<&str> {
+        let cracks = plan.cracks.iter().filter(wanted);
+        cracks.map(|crack| crack.name.as_str()).collect()
+    };
+    let all = names(|_| true);
+    let pressed = names(|crack| crack.pressure.as_ref().is_some_and(acts));
+    let mut reasons = Vec::new();
+    if !all.is_empty() {
+        let why = format!("[cracks] names {}", all.join(", "));
+        reasons.push(reason("cracks", why));
+    }
+    if !pressed.is_empty() {
+        let why = format!("there is a pressure in {}", pressed.join(", "));
+        reasons.push(reason("crack-pressure", why));
+    }
+    reasons
 }
 
 /// Loads on parts of sides, and forces inside.

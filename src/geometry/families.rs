@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::cell_list::CellList;
 use super::near::Near;
-use super::{Cloud, GeometryError, ImageTable, Share, Vector};
+use super::{Cloud, Crack, Cutter, GeometryError, ImageTable, Share, Vector};
 use perifrac_solvers::Partition;
 
 /// The cloud together with its mirror images within reach, ready for radius searches.
@@ -75,12 +75,27 @@ pub struct Families<const D: usize> {
     pub images: ImageTable<D>,
     /// The part of the bonds that is held here.
     pub share: Share,
+    /// Bonds that cracks have cut, by owner; they are none any more.
+    pub severed: Vec<Severed>,
     offset: Vec<u32>,
     neighbour: Vec<u32>,
     image: Vec<u8>,
     dual_offset: Vec<u32>,
     dual_bond: Vec<u32>,
     dual_owner: Vec<u32>,
+}
+
+/// A bond that was there before a crack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Severed {
+    /// Whose family it was in.
+    pub owner: u32,
+    /// Real neighbour at its end.
+    pub neighbour: u32,
+    /// Image number at its end.
+    pub image: u8,
+    /// The first crack across it.
+    pub crack: u16,
 }
 
 const CHUNK: usize = 1024;
@@ -170,6 +185,7 @@ impl<const D: usize> Families<D> {
             horizon,
             images,
             share,
+            severed: Vec::new(),
             offset,
             neighbour,
             image,
@@ -186,15 +202,53 @@ impl<const D: usize> Families<D> {
     /// # Errors
     /// As [`Families::search`].
     pub fn retain_images(&self, keep: impl Fn(u8) -> bool) -> Result<Self, GeometryError> {
+        let severed = self.severed.iter().filter(|bond| keep(bond.image));
+        Ok(Families {
+            severed: severed.copied().collect(),
+            ..self.retain(|_, bond| keep(self.image[bond]))?
+        })
+    }
+
+    /// The same families without the bonds that meet a crack.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn cut(&self, cloud: &Cloud<D>, cracks: &[Crack<D>]) -> Result<Self, GeometryError> {
+        let cutter = Cutter::new(cracks, &self.images);
+        let crack = |owner: usize, bond: usize| {
+            let image = self.images.get(self.image[bond]);
+            let end = image.place(&cloud.position[self.neighbour(bond)]);
+            cutter.first(&cloud.position[owner], &end)
+        };
+        let crack = &crack;
+        let severed = (0..self.len()).into_par_iter().flat_map_iter(|owner| {
+            self.family(owner).filter_map(move |bond| {
+                Some(Severed {
+                    owner: owner as u32,
+                    neighbour: self.neighbour[bond],
+                    image: self.image[bond],
+                    crack: crack(owner, bond)?,
+                })
+            })
+        });
+        let severed: Vec<Severed> = severed.collect();
+        let mut next = severed.iter().peekable();
+        let kept = self.retain(|owner, bond| {
+            // Both lists run through the bonds in the same order.
+            let end = (owner as u32, self.neighbour[bond], self.image[bond]);
+            let same = |cut: &&Severed| (cut.owner, cut.neighbour, cut.image) == end;
+            next.next_if(same).is_none()
+        })?;
+        Ok(Families { severed, ..kept })
+    }
+
+    fn retain(&self, mut keep: impl FnMut(usize, usize) -> bool) -> Result<Self, GeometryError> {
         let mut counts = Vec::with_capacity(self.len());
         let mut bonds = Vec::with_capacity(self.bonds());
         for point in 0..self.len() {
             let before = bonds.len();
-            bonds.extend(
-                self.family(point)
-                    .map(|b| (self.neighbour[b], self.image[b]))
-                    .filter(|b| keep(b.1)),
-            );
+            let kept = self.family(point).filter(|bond| keep(point, *bond));
+            bonds.extend(kept.map(|bond| (self.neighbour[bond], self.image[bond])));
             counts.push((bonds.len() - before) as u32);
         }
         Self::from_chunks(
@@ -260,7 +314,8 @@ impl<const D: usize> Families<D> {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let words = self.offset.len() + self.neighbour.len() + 3 * self.dual_bond.len();
-        4 * words + self.image.len() + 8 * self.horizon.len() + self.share.bytes()
+        let severed = size_of::<Severed>() * self.severed.len();
+        severed + 4 * words + self.image.len() + 8 * self.horizon.len() + self.share.bytes()
     }
 }
 

@@ -15,9 +15,21 @@ pub struct Place<const D: usize> {
 impl<const D: usize> Place<D> {
     /// Looks at all points; many places are found faster by a [`Locator`].
     pub fn find(cloud: &Cloud<D>, at: Vector<D>) -> Self {
-        let nearest = cloud.nearest(&at).map_or_else(Vec::new, |first| {
+        Self::find_among(cloud, at, |_| true)
+    }
+
+    /// As [`Place::find`], among the points that are wanted.
+    pub fn find_among(
+        cloud: &Cloud<D>,
+        at: Vector<D>,
+        wanted: impl Fn(&usize) -> bool + Copy,
+    ) -> Self {
+        let distance = |point: usize| (cloud.position[point] - at).norm();
+        let points = (0..cloud.len()).filter(wanted);
+        let first = points.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+        let nearest = first.map_or_else(Vec::new, |first| {
             let limit = limit(cloud, &at, first);
-            let near = |&i: &usize| (cloud.position[i] - at).norm() <= limit;
+            let near = |&i: &usize| wanted(&i) && distance(i) <= limit;
             (0..cloud.len()).filter(near).collect()
         });
         Place { at, nearest }

@@ -4,6 +4,7 @@
 
 mod cell_list;
 mod cloud;
+mod crack;
 mod families;
 pub mod generate;
 mod horizon;
@@ -18,7 +19,8 @@ mod side;
 
 pub(crate) use cloud::edge;
 pub use cloud::{Cloud, Domain};
-pub use families::Families;
+pub use crack::{Crack, Cutter, OnCrack};
+pub use families::{Families, Severed};
 pub use generate::GenerateError;
 pub use horizon::{Horizon, horizons, horizons_in_parts};
 pub use images::{Image, ImageTable};

@@ -2,8 +2,10 @@
 
 use crate::effects::vector;
 use crate::geometry::generate::{blocks, graded, jitter, lattice};
-use crate::geometry::{Cloud, Domain, Families, Vector, horizons, horizons_in_parts};
-use crate::plan::{GeometryPlan, Plan, PointTable};
+use crate::geometry::{
+    Cloud, Crack, Cutter, Domain, Families, Vector, horizons, horizons_in_parts,
+};
+use crate::plan::{CrackPlan, GeometryPlan, Plan, PointTable};
 use perifrac_solvers::{Coordinates, Partition, Team};
 use std::sync::Arc;
 
@@ -65,7 +67,8 @@ pub fn build_families<const D: usize>(
     watched: &[usize],
 ) -> Result<Families<D>, ModelError> {
     let Some(team) = team else {
-        return Ok(Families::search(cloud, horizons(cloud, plan.horizon)?)?);
+        let families = Families::search(cloud, horizons(cloud, plan.horizon)?)?;
+        return cut(plan, cloud, families);
     };
     let values = cloud.flat_positions();
     let coordinates = Coordinates {
@@ -75,12 +78,39 @@ pub fn build_families<const D: usize>(
     let partition = Partition::bisection(team.clone(), &coordinates);
     let horizon = horizons_in_parts(cloud, plan.horizon, Some(&partition))?;
     let watched = if team.rank() == 0 { watched } else { &[] };
-    Ok(Families::search_share(
-        cloud,
-        horizon,
-        Some(partition),
-        watched,
-    )?)
+    let families = Families::search_share(cloud, horizon, Some(partition), watched)?;
+    cut(plan, cloud, families)
+}
+
+/// The plan's cracks.
+pub fn cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
+    let chain = |crack: &CrackPlan| Crack {
+        points: crack.points.iter().map(|x| vector(x)).collect(),
+    };
+    plan.cracks.iter().map(chain).collect()
+}
+
+/// Cuts the bonds across the plan's cracks.
+fn cut<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+    families: Families<D>,
+) -> Result<Families<D>, ModelError> {
+    if plan.cracks.is_empty() {
+        return Ok(families);
+    }
+    let cracks = cracks(plan);
+    let cutter = Cutter::new(&cracks, &families.images);
+    for (point, x) in cloud.position.iter().enumerate() {
+        if let Some(crack) = cutter.first(x, x) {
+            return Err(ModelError::CrackThroughPoint {
+                name: plan.cracks[usize::from(crack)].name.clone(),
+                point,
+                position: x.iter().copied().collect(),
+            });
+        }
+    }
+    Ok(families.cut(cloud, &cracks)?)
 }
 
 fn from_table<const D: usize>(

@@ -24,6 +24,19 @@ pub enum ModelError {
     /// Families could not be built.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
+    /// A point on a crack has no side.
+    #[error(
+        "crack \"{name}\" goes through point {point} at {position:?}; move it off the points, such as by \
+         half the spacing, or change the number of points"
+    )]
+    CrackThroughPoint {
+        /// Name of the crack.
+        name: String,
+        /// Index of the point.
+        point: usize,
+        /// Its position, m.
+        position: Vec<f64>,
+    },
     /// A material's region holds no point.
     #[error("the region of material \"{material}\" holds no point; enlarge it or refine the cloud")]
     EmptyRegion {

@@ -19,7 +19,7 @@ pub use cloud::{build_cloud, build_families};
 pub use coupling::{Audit, Coupling};
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
-pub use places::Places;
+pub use places::{Faces, Places};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel};
 

@@ -19,6 +19,7 @@ pub struct Neighbourhood<const D: usize> {
     pub inverse_shape: Vec<Matrix<D>>,
     /// m = tr K per point (below Eq. 10), shape `(n,)`.
     pub moment: Vec<f64>,
+    influence: Influence,
 }
 
 /// Smallest accepted ratio of a shape tensor's determinant to that of an isotropic one.
@@ -58,7 +59,15 @@ impl<const D: usize> Neighbourhood<D> {
             measure,
             inverse_shape,
             moment,
+            influence,
         })
+    }
+
+    /// ω(ξ) V_j of any bond, also of one that is not in the family.
+    pub fn weigh(&self, owner: usize, end: usize, xi: &Vector<D>) -> f64 {
+        self.influence
+            .weight(xi.norm(), self.families.horizon[owner])
+            * self.cloud.volume[end]
     }
 
     /// Number of points.

@@ -7,12 +7,13 @@ mod resolve;
 mod types;
 
 pub use crate::load::Load;
-pub use exact::{exact_displacement, exact_flux, exact_pressure, manufactured};
+pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
 pub use files::{FileError, PointTable};
 pub use resolve::resolve;
 pub use types::{
-    Acceleration, CouplingPlan, FlowPlan, FluidPlan, GeometryPlan, GradientChoice, GravityPlan,
-    Integrator, MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan,
-    Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions,
-    SideCondition, SolidMethod, StepRule, Support, TimeMode, TimePlan, TractionPlan, WellPlan,
+    Acceleration, CouplingPlan, CrackPlan, FlowPlan, FluidPlan, GeometryPlan, GradientChoice,
+    GravityPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan,
+    PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
+    SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StepRule, Support, TimeMode, TimePlan,
+    TractionPlan, WellPlan,
 };

@@ -1,8 +1,8 @@
 //! Columns of history.csv: what a scene does not name has none.
 
-use crate::geometry::Side;
-use crate::model::{Model, MovingWall};
-use crate::plan::{MechanicsPlan, Plan, Support};
+use crate::geometry::{Place, Side};
+use crate::model::{Faces, Model, MovingWall};
+use crate::plan::{MechanicsPlan, Plan, Support, exact_opening};
 use crate::report::Balance;
 use crate::schemes::State;
 
@@ -24,6 +24,38 @@ pub fn displacement_at(axis: &str, probe: &str) -> String {
     format!("displacement_{axis}_{probe}_m")
 }
 
+/// Heading of the largest opening of a crack.
+pub fn opening_of(crack: &str) -> String {
+    format!("opening_{crack}_m")
+}
+
+/// Opening and sliding at the places along a crack, m.
+pub fn openings<const D: usize>(model: &Model<D>, state: &State, crack: usize) -> Vec<[f64; 2]> {
+    let Some(solid) = &model.solid else {
+        return Vec::new();
+    };
+    let moved = |place: &Place<D>| solid.displacement_at(&state.displacement, &state.walls, place);
+    let jump = |faces: &Faces<D>| faces.jump([0, 1].map(|side| moved(&faces.sides[side])));
+    model.places.cracks[crack].iter().map(jump).collect()
+}
+
+/// Exact opening at the places along a crack, if the plan knows it, m.
+pub fn exact_openings<const D: usize>(
+    plan: &Plan,
+    model: &Model<D>,
+    state: &State,
+    crack: usize,
+) -> Option<Vec<f64>> {
+    let exact = exact_opening(plan).ok().flatten()?;
+    let pressure = plan.cracks[crack].pressure.as_ref()?.at(state.time);
+    let places = model.places.cracks[crack].iter();
+    Some(
+        places
+            .map(|faces| exact.opening(faces.on.at.as_slice(), pressure))
+            .collect(),
+    )
+}
+
 /// Headings for a plan of dimension `D`.
 pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
     let mut columns = FIRST.map(str::to_owned).to_vec();
@@ -40,6 +72,7 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
             columns.extend(AXES[..D].iter().map(component));
         }
         columns.extend(plates::<D>(mechanics).map(|side| format!("plate_{side}_m")));
+        columns.extend(plan.cracks.iter().map(|crack| opening_of(&crack.name)));
         columns.extend(["energy_J", "potential_J", "momentum_balance"].map(str::to_owned));
     }
     if plan.flow.is_some() {
@@ -88,6 +121,10 @@ pub fn row<const D: usize>(
                 .unwrap_or(0.0)
         };
         row.extend(plates::<D>(mechanics).map(place));
+        for crack in 0..plan.cracks.len() {
+            let jumps = openings(model, state, crack);
+            row.push(jumps.iter().map(|jump| jump[0]).fold(0.0, f64::max));
+        }
         let own = [balance.energy, balance.potential, balance.momentum];
         row.extend(own.map(|value| value.unwrap_or(0.0)));
     }

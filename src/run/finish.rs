@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::columns::{exact_openings, openings};
 use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
 use crate::geometry::{Families, Side, Vector};
@@ -166,6 +167,7 @@ impl<const D: usize> Run<'_, D> {
     /// Errors of all fields of which the plan names an exact solution, now.
     fn errors(&self) -> BTreeMap<&'static str, FieldError> {
         let mut errors = BTreeMap::new();
+        errors.extend(self.opening_error().map(|e| ("opening", e)));
         let Ok(Some(exact)) = exact_pressure(self.plan) else {
             return errors;
         };
@@ -223,6 +225,15 @@ impl<const D: usize> Run<'_, D> {
         });
         let volume: Vec<f64> = cloud.volume.iter().flat_map(|v| [*v; D]).collect();
         let norms = ErrorNorms::compare(&self.state.displacement, &exact, &volume, &[]).ok()?;
+        Some(norms.into())
+    }
+
+    /// Error of the opening along the crack of which the plan names the exact solution.
+    fn opening_error(&self) -> Option<FieldError> {
+        let exact = exact_openings(self.plan, &self.model, &self.state, 0)?;
+        let computed = openings(&self.model, &self.state, 0);
+        let computed: Vec<f64> = computed.iter().map(|jump| jump[0]).collect();
+        let norms = ErrorNorms::compare(&computed, &exact, &vec![1.0; exact.len()], &[]).ok()?;
         Some(norms.into())
     }
 

@@ -8,6 +8,7 @@ mod summary;
 mod time_loop;
 mod writer;
 
+pub use columns::openings;
 pub use error::RunError;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};

@@ -9,8 +9,8 @@ use serde::Deserialize;
 use super::Scene;
 use super::diagnostics::Diagnostic;
 use super::sections::{
-    Coupling, Flow, Fluid, Geometry, Gravity, Horizon, Material, Mechanics, Output, Reference,
-    Scheme, Solver, TimeControl, Well,
+    Coupling, Crack, Flow, Fluid, Geometry, Gravity, Horizon, Material, Mechanics, Output,
+    Reference, Scheme, Solver, TimeControl, Well,
 };
 use super::span::{Named, Spanned};
 use super::validate::{Context, Report, Section};
@@ -43,6 +43,8 @@ pub(super) struct Draft {
     pub mechanics: Option<Spanned<Mechanics>>,
     /// The ways between pressure and strain; needed where there are both.
     pub coupling: Option<Spanned<Coupling>>,
+    /// Cracks that are there from the start.
+    pub cracks: Option<Spanned<Named<Crack>>>,
     /// Sources and sinks at points; act if present.
     pub wells: Option<Spanned<Named<Well>>>,
     /// How long, and in which steps.
@@ -74,6 +76,7 @@ impl Draft {
         check(&self.flow, scene, &mut report);
         check(&self.mechanics, scene, &mut report);
         check(&self.coupling, scene, &mut report);
+        check(&self.cracks, scene, &mut report);
         check(&self.wells, scene, &mut report);
         check(&self.time, scene, &mut report);
         check(&self.scheme, scene, &mut report);
@@ -139,6 +142,7 @@ impl Draft {
             flow: self.flow,
             mechanics: self.mechanics,
             coupling: self.coupling,
+            cracks: self.cracks.unwrap_or_default().value,
             wells: self.wells.unwrap_or_default().value,
             time: self.time?,
             scheme: self.scheme.unwrap_or_default(),

@@ -67,6 +67,8 @@ pub struct Scene {
     pub mechanics: Option<Spanned<Mechanics>>,
     /// How flow and deformation feel each other; always there if there are both.
     pub coupling: Option<Spanned<Coupling>>,
+    /// Cracks that are there from the start, in the order of the file.
+    pub cracks: Named<Crack>,
     /// Sources and sinks at points, in the order of the file.
     pub wells: Named<Well>,
     /// How long, and in which steps.

@@ -40,6 +40,7 @@ mod tests {
             "flow",
             "mechanics",
             "coupling",
+            "cracks",
             "wells",
             "time",
             "scheme",

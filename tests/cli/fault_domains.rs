@@ -152,3 +152,36 @@ error: the cloud has 4 points, too few for 15 neighbours each
         },
     ]);
 }
+
+#[test]
+fn a_crack_through_points() {
+    check(&[Fault {
+        name: "a crack along a row of points",
+        files: &[(
+            "scene.toml",
+            br#"title = "cracked"
+[geometry]
+type = "lattice"
+size = [1, 1]
+points = [9, 9]
+[materials.rock]
+youngs_modulus = 1
+poissons_ratio = 0.2
+[mechanics.boundary.left]
+clamped = true
+[cracks.main]
+points = [[0.2, 0.5], [0.6, 0.5]]
+[time]
+mode = "steady"
+"#,
+        )],
+        stderr: r#"
+error: crack "main" goes through point 38 at [0.2777777777777778, 0.5]; move it off the points, such as by half the spacing, or change the number of points
+  --> scene.toml:12:10
+   |
+12 | points = [[0.2, 0.5], [0.6, 0.5]]
+   |          ^^^^^^^^^^^^^^^^^^^^^^^^
+"#,
+        ..FAULT
+    }]);
+}

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 13] = [
+const CASES: [&str; 14] = [
     "five-spot",
     "two-layer",
     "channel",
@@ -17,6 +17,7 @@ const CASES: [&str; 13] = [
     "column-3d",
     "mandel",
     "footing",
+    "sneddon",
     "manufactured",
 ];
 

@@ -10,7 +10,7 @@ use perifrac_solvers::{BACKENDS, OptionValue, PRECONDITIONERS, SolveError};
 use crate::support::{plan, try_run};
 
 /// Case and overrides that make it small.
-const CASES: [(&str, &[&str]); 13] = [
+const CASES: [(&str, &[&str]); 14] = [
     ("five-spot", &["geometry.points=[24, 24]", "time.step=0.05"]),
     ("two-layer", &["time.step=0.02"]),
     (
@@ -46,6 +46,7 @@ const CASES: [(&str, &[&str]); 13] = [
     ("column-3d", &["geometry.spacing=0.2", "time.step=5"]),
     ("mandel", &["time.step=0.1"]),
     ("footing", &["geometry.spacing=0.4", "time.step=2e5"]),
+    ("sneddon", &["geometry.spacing=0.025"]),
     (
         "manufactured",
         &["geometry.points=[16, 16]", "time.step=0.1"],

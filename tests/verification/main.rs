@@ -5,6 +5,7 @@
 mod support;
 
 mod backends;
+mod cracks;
 mod effects;
 mod estimates;
 mod five_spot;

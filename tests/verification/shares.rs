@@ -158,6 +158,11 @@ fn a_footing_with_stabilising_storage() {
     assert_same_answers::<2>("footing", &["geometry.spacing=0.4"]);
 }
 
+#[test]
+fn a_crack_that_is_cut_by_the_border_of_shares() {
+    assert_same_answers::<2>("sneddon", &["geometry.spacing=0.025"]);
+}
+
 /// The families of a process are those of its points and of the points that see them: a fraction
 /// of all that shrinks with the number of processes.
 #[test]

@@ -1,6 +1,9 @@
 //! The exact solution that a plan names, with its parameters taken from the plan itself.
 
+mod fracture;
 mod poroelastic;
+
+pub use fracture::exact_opening;
 
 use super::types::{
     GeometryPlan, MaterialPlan, PermeabilityPlan, Plan, ReferenceKind, SideCondition, TimeMode,
@@ -30,6 +33,7 @@ pub fn exact_pressure(plan: &Plan) -> Result<Option<Box<dyn ExactPressure>>, Str
         },
         ReferenceKind::Terzaghi => Box::new(poroelastic::terzaghi(plan)?),
         ReferenceKind::Mandel => Box::new(poroelastic::mandel(plan)?),
+        ReferenceKind::Sneddon => return Ok(None),
     }))
 }
 

@@ -107,6 +107,7 @@ pub(super) fn reference_plan(reference: &scene::Reference) -> ReferencePlan {
             scene::ReferenceKind::Manufactured => ReferenceKind::Manufactured,
             scene::ReferenceKind::Terzaghi => ReferenceKind::Terzaghi,
             scene::ReferenceKind::Mandel => ReferenceKind::Mandel,
+            scene::ReferenceKind::Sneddon => ReferenceKind::Sneddon,
         },
         exclude: reference.exclude.map(|radius| radius.value()),
     }

@@ -3,7 +3,9 @@
 use super::Resolver;
 use super::flow::gradient;
 use crate::load::Load;
-use crate::plan::types::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
+use crate::plan::types::{
+    CouplingPlan, CrackPlan, GradientChoice, MechanicsPlan, Support, TractionPlan,
+};
 use crate::scene::quantity::{Dimension, values};
 use crate::scene::{self, Coupling, Mechanics};
 
@@ -29,7 +31,7 @@ impl Resolver<'_> {
         Some(MechanicsPlan {
             inertia: mechanics.is_dynamic(),
             hourglass: mechanics.hourglass.value(),
-            gradient: gradient(mechanics.gradient.value),
+            gradient: self.solid_gradient(mechanics)?,
             body_force: mechanics.body_force.as_ref().map(|force| values(force)),
             initial_stress: mechanics
                 .initial_stress
@@ -39,6 +41,42 @@ impl Resolver<'_> {
             loads: mechanics.loads.iter().map(traction).collect(),
         })
     }
+}
+
+impl Resolver<'_> {
+    /// The faces of a crack are no layer that the divergence-consistent gradient knows.
+    fn solid_gradient(&mut self, mechanics: &Mechanics) -> Option<GradientChoice> {
+        let chosen = gradient(mechanics.gradient.value);
+        if self.loaded.scene.cracks.is_empty() {
+            return Some(chosen);
+        }
+        match chosen {
+            GradientChoice::DivergenceConsistent => self.fault(
+                mechanics.gradient.span,
+                "the divergence-consistent gradient does not go together with [cracks]; set \
+                 gradient = \"plain\"",
+            ),
+            _ => Some(GradientChoice::Plain),
+        }
+    }
+
+    /// Points from a file tell the dimension only now.
+    pub(super) fn check_cracks(&mut self, dimension: usize) {
+        let cracks = &self.loaded.scene.cracks;
+        if let (3, Some(crack)) = (dimension, cracks.iter().next()) {
+            let message = "[cracks] are for planes; in three dimensions there are none yet";
+            self.fault::<()>(crack.value.points.span, message);
+        }
+    }
+}
+
+pub(super) fn cracks(scene: &scene::Scene) -> Vec<CrackPlan> {
+    let crack = |entry: &scene::Entry<scene::Crack>| CrackPlan {
+        name: entry.name.clone(),
+        points: entry.value.resolved(),
+        pressure: entry.value.pressure.as_ref().map(scene::Load::resolved),
+    };
+    scene.cracks.iter().map(crack).collect()
 }
 
 pub(super) fn coupling(coupling: &Coupling) -> CouplingPlan {

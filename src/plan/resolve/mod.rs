@@ -60,6 +60,7 @@ impl Resolver<'_> {
             Some(typed) => Some(self.mechanics(typed, dimension)?),
             None => None,
         };
+        self.check_cracks(dimension);
         let mut plan = Plan {
             case: case.to_owned(),
             title: scene.title.clone(),
@@ -73,6 +74,7 @@ impl Resolver<'_> {
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
             gravity: scene.gravity.as_deref().map(flow::gravity),
+            cracks: mechanics::cracks(scene),
             wells: flow::wells(scene),
             time: control::time(&scene.time),
             scheme: control::scheme(scene),
@@ -120,10 +122,12 @@ impl Resolver<'_> {
     }
 
     fn check_reference(&mut self, plan: &Plan) {
-        if let (Err(message), Some(reference)) = (
-            super::exact::exact_pressure(plan),
-            &self.loaded.scene.reference,
-        ) {
+        let Some(reference) = &self.loaded.scene.reference else {
+            return;
+        };
+        let pressure = super::exact::exact_pressure(plan).map(|_| ());
+        let opening = super::exact::exact_opening(plan).map(|_| ());
+        if let Err(message) = pressure.and(opening) {
             self.fault::<()>(reference.kind.span, message);
         }
     }

@@ -1,5 +1,6 @@
 //! What a plan holds. Everything is in SI units; a missing option means the effect does not exist.
 
+mod crack;
 mod material;
 mod mechanics;
 mod scheme;
@@ -7,6 +8,7 @@ mod scheme;
 use perifrac_solvers::SolverSpec;
 use serde::Serialize;
 
+pub use crack::CrackPlan;
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
@@ -43,6 +45,8 @@ pub struct Plan {
     pub coupling: Option<CouplingPlan>,
     /// Gravity, if the scene names it.
     pub gravity: Option<GravityPlan>,
+    /// Cracks that are there from the start, in the scene's order; only in a plane.
+    pub cracks: Vec<CrackPlan>,
     /// Wells, in the scene's order.
     pub wells: Vec<WellPlan>,
     /// Time.
@@ -338,4 +342,6 @@ pub enum ReferenceKind {
     Terzaghi,
     /// Consolidation of a slab between rigid plates.
     Mandel,
+    /// A pressurised crack in an unbounded plane; its opening.
+    Sneddon,
 }

@@ -7,13 +7,14 @@ use crate::output::{OutputError, write_atomically};
 const MARK: &str = "resolved.toml";
 
 /// Starts of the names of results.
-const RESULTS: [&str; 7] = [
+const RESULTS: [&str; 8] = [
     "fields",
     "pressure-",
     "displacement-",
     "permeability",
     "history",
     "profile-",
+    "crack-",
     "summary.json",
 ];
 

@@ -1,5 +1,6 @@
 //! Files of a run: fields, history, profiles, pictures, summary.
 
+mod cracks;
 mod fields;
 mod folder;
 mod histories;
@@ -14,6 +15,7 @@ use crate::output::{History, OutputError, Pvd, Table, write_json};
 use crate::plan::Plan;
 use crate::report::Balance;
 use crate::schemes::State;
+use cracks::Cracks;
 use profiles::Profiles;
 
 /// Writes the files of one run into its folder.
@@ -25,6 +27,7 @@ pub struct Writer {
     /// What history.csv holds.
     rows: Table,
     profiles: Option<Profiles>,
+    cracks: Option<Cracks>,
     outputs: usize,
     next_row: f64,
     /// Whether this is the process that writes what there is once.
@@ -61,6 +64,7 @@ impl Writer {
             history: None,
             rows: Table::default(),
             profiles: None,
+            cracks: None,
             outputs: 0,
             next_row: f64::NEG_INFINITY,
             leads: false,
@@ -86,6 +90,7 @@ impl Writer {
         let path = self.folder.join("history.csv");
         self.history = Some(History::create(path, &self.rows.columns)?);
         self.profiles = Some(Profiles::new(&self.folder, plan));
+        self.cracks = Some(Cracks::new(&self.folder, plan));
         Ok(())
     }
 
@@ -172,6 +177,9 @@ impl Writer {
         if plan.output.plots {
             pictures::of_output(&self.folder, number, plan, model, state)?;
         }
+        if let Some(cracks) = &mut self.cracks {
+            cracks.record(plan, model, state)?;
+        }
         match &mut self.profiles {
             Some(profiles) => profiles.record(plan, model, state),
             None => Ok(()),
@@ -193,6 +201,9 @@ impl Writer {
         }
         if let Some(profiles) = &self.profiles {
             profiles.draw(plan)?;
+        }
+        if let Some(cracks) = &self.cracks {
+            cracks.draw(plan)?;
         }
         pictures::of_permeability(&self.folder, model)?;
         histories::draw::<D>(&self.folder, plan, &self.rows)

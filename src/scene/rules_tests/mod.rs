@@ -1,6 +1,7 @@
 //! Every rule of the scene language, each broken once in an otherwise sound scene.
 
 mod coupling;
+mod cracks;
 mod effects;
 mod geometry;
 mod materials;

@@ -1,6 +1,7 @@
 //! The sections of a scene, one file each: what may be typed, and the rules it must keep.
 
 mod coupling;
+mod cracks;
 mod flow;
 mod fluid;
 mod geometry;
@@ -17,6 +18,7 @@ mod time;
 mod wells;
 
 pub use coupling::Coupling;
+pub use cracks::Crack;
 pub use flow::{
     Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition, PressureRegion,
     SealedCondition,

@@ -36,13 +36,21 @@ pub enum ReferenceKind {
     Terzaghi,
     /// Consolidation of a slab between rigid plates, drained at its ends.
     Mandel,
+    /// Opening of a straight pressurised crack in an unbounded plane; half of it if one tip lies on a
+    /// side.
+    Sneddon,
 }
 
 impl Section for Reference {
     const NAME: &'static str = "reference";
 
     fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
-        if self.is_coupled() {
+        if self.kind.value == ReferenceKind::Sneddon {
+            if !scene.has(&scene.draft.cracks) {
+                let fault = Diagnostic::new("this reference needs [cracks]").at(self.kind.span);
+                report.add(fault.help("add one straight crack with a `pressure`"));
+            }
+        } else if self.is_coupled() {
             if !scene.has(&scene.draft.coupling) {
                 let fault = Diagnostic::new("this reference needs [coupling]");
                 let fault = fault.at(self.kind.span);
@@ -64,7 +72,10 @@ impl Section for Reference {
                 let materials = scene.sound(&scene.draft.materials).map(|m| m.len());
                 self.check_count("materials", 2, materials, report);
             }
-            ReferenceKind::Manufactured | ReferenceKind::Terzaghi | ReferenceKind::Mandel => {}
+            ReferenceKind::Manufactured
+            | ReferenceKind::Terzaghi
+            | ReferenceKind::Mandel
+            | ReferenceKind::Sneddon => {}
         }
     }
 }

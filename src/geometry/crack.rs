@@ -1,0 +1,169 @@
+//! Cracks as chains of segments in a plane, and which bonds they cut.
+
+use super::{ImageTable, Vector};
+
+/// A chain of straight segments, m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crack<const D: usize> {
+    /// From one tip over the corners to the other.
+    pub points: Vec<Vector<D>>,
+}
+
+/// A place on a crack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnCrack<const D: usize> {
+    /// Position, m.
+    pub at: Vector<D>,
+    /// Distance along the crack from its first tip, m.
+    pub distance: f64,
+    /// Unit vector along the crack.
+    pub tangent: Vector<D>,
+    /// Unit vector across it, to the left of the tangent.
+    pub normal: Vector<D>,
+}
+
+impl<const D: usize> Crack<D> {
+    fn segments(&self) -> impl Iterator<Item = [Vector<D>; 2]> + '_ {
+        self.points.windows(2).map(|pair| [pair[0], pair[1]])
+    }
+
+    /// Length along the crack, m.
+    pub fn length(&self) -> f64 {
+        self.segments().map(|[a, b]| (b - a).norm()).sum()
+    }
+
+    /// Middles of `count` equal parts of the crack.
+    pub fn middles(&self, count: usize) -> Vec<OnCrack<D>> {
+        let part = self.length() / count as f64;
+        let middle = |k: usize| self.place(part * (k as f64 + 0.5));
+        (0..count).filter_map(middle).collect()
+    }
+
+    fn place(&self, distance: f64) -> Option<OnCrack<D>> {
+        let mut before = 0.0;
+        let mut found = None;
+        for [a, b] in self.segments() {
+            let length = (b - a).norm();
+            let tangent = (b - a) / length;
+            let mut normal = Vector::zeros();
+            (normal[0], normal[1]) = (-tangent[1], tangent[0]);
+            found = Some(OnCrack {
+                at: a + tangent * (distance - before),
+                distance,
+                tangent,
+                normal,
+            });
+            before += length;
+            if distance <= before {
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// Cracks with all their mirror images.
+pub struct Cutter<const D: usize> {
+    /// Number of the crack, and one of its segments or of their images.
+    segments: Vec<(u16, [Vector<D>; 2])>,
+}
+
+impl<const D: usize> Cutter<D> {
+    /// Prepares the cracks.
+    pub fn new(cracks: &[Crack<D>], images: &ImageTable<D>) -> Self {
+        let mut segments = Vec::new();
+        for (number, crack) in (0_u16..).zip(cracks) {
+            for segment in crack.segments() {
+                let place = |image: &super::Image<D>| segment.map(|end| image.place(&end));
+                segments.extend(images.iter().map(|image| (number, place(image))));
+            }
+        }
+        Cutter { segments }
+    }
+
+    /// The first crack that the straight line from `a` to `b` meets, ends and tips included. Exact.
+    pub fn first(&self, a: &Vector<D>, b: &Vector<D>) -> Option<u16> {
+        let meeting = |(_, segment): &&(u16, [Vector<D>; 2])| meet(&[*a, *b], segment);
+        self.segments.iter().find(meeting).map(|found| found.0)
+    }
+}
+
+/// Whether two segments have a place in common.
+fn meet<const D: usize>(one: &[Vector<D>; 2], other: &[Vector<D>; 2]) -> bool {
+    let apart = |axis: usize| {
+        let (low, high) = (
+            one[0][axis].min(one[1][axis]),
+            one[0][axis].max(one[1][axis]),
+        );
+        let ends = [other[0][axis], other[1][axis]];
+        ends.iter().all(|x| *x < low) || ends.iter().all(|x| *x > high)
+    };
+    if apart(0) || apart(1) {
+        return false;
+    }
+    let splits = |line: &[Vector<D>; 2], ends: &[Vector<D>; 2]| {
+        let [first, second] = [side(line, &ends[0]), side(line, &ends[1])];
+        !(first > 0.0 && second > 0.0 || first < 0.0 && second < 0.0)
+    };
+    splits(one, other) && splits(other, one)
+}
+
+/// Positive to the left of the line, negative to its right, zero on it; exact (Shewchuk).
+fn side<const D: usize>(line: &[Vector<D>; 2], x: &Vector<D>) -> f64 {
+    let place = |x: &Vector<D>| robust::Coord { x: x[0], y: x[1] };
+    robust::orient2d(place(&line[0]), place(&line[1]), place(x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Domain;
+
+    type Place = Vector<2>;
+
+    fn cutter(points: &[[f64; 2]]) -> Cutter<2> {
+        let domain = Domain {
+            lower: Place::zeros(),
+            upper: Place::repeat(1.0),
+            planes: true,
+        };
+        let points = points.iter().map(|x| Place::from(*x)).collect();
+        let images = ImageTable::new(&domain, 0.2).unwrap();
+        Cutter::new(&[Crack { points }], &images)
+    }
+
+    #[test]
+    fn lines_across_a_crack_meet_it_and_others_do_not() {
+        let cutter = cutter(&[[0.2, 0.5], [0.6, 0.5], [0.6, 0.9]]);
+        let meets = |a: [f64; 2], b: [f64; 2]| {
+            let (a, b) = (Place::from(a), Place::from(b));
+            let both = [cutter.first(&a, &b), cutter.first(&b, &a)];
+            assert_eq!(both[0], both[1], "{a} {b}");
+            both[0].is_some()
+        };
+        assert!(meets([0.3, 0.45], [0.35, 0.55]));
+        assert!(meets([0.55, 0.7], [0.65, 0.6]), "the second segment");
+        assert!(meets([0.2, 0.4], [0.2, 0.6]), "through a tip");
+        assert!(meets([0.1, 0.5], [0.3, 0.5]), "along the crack");
+        assert!(!meets([0.0, 0.5], [0.1, 0.5]), "on its line before the tip");
+        assert!(!meets([0.15, 0.4], [0.15, 0.6]), "past the tip");
+        assert!(!meets([0.3, 0.45], [0.5, 0.499_999_999]), "beside it");
+        assert!(meets([-0.3, 0.45], [-0.3, 0.55]), "its mirror image");
+    }
+
+    #[test]
+    fn middles_are_evenly_spaced_along_the_chain() {
+        let points = vec![Place::zeros(), Place::new(1.0, 0.0), Place::new(1.0, 1.0)];
+        let crack = Crack { points };
+        let middles = crack.middles(4);
+        let at: Vec<Place> = middles.iter().map(|m| m.at).collect();
+        let expected = [[0.25, 0.0], [0.75, 0.0], [1.0, 0.25], [1.0, 0.75]].map(Place::from);
+        assert!(
+            at.iter()
+                .zip(&expected)
+                .all(|(a, b)| (a - b).norm() < 1e-15)
+        );
+        assert_eq!(middles[3].normal, Place::new(-1.0, 0.0));
+        assert!((crack.length() - 2.0).abs() < 1e-15);
+    }
+}

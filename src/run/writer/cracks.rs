@@ -1,0 +1,96 @@
+//! Opening and sliding along cracks at every output, beside the exact opening.
+
+use std::path::{Path, PathBuf};
+
+use super::super::columns::{exact_openings, openings};
+use crate::model::Model;
+use crate::output::{History, LinePlot, LineStyle, OutputError, Series, lines_svg};
+use crate::plan::Plan;
+use crate::schemes::State;
+
+/// Tables of all cracks of a run.
+pub struct Cracks {
+    folder: PathBuf,
+    tables: Vec<Option<History>>,
+    /// Distance, opening and exact opening along every crack at the last output.
+    last: Vec<[Vec<f64>; 3]>,
+}
+
+impl Cracks {
+    /// Tables of the cracks of `plan`, to be written into `folder`.
+    pub fn new(folder: &Path, plan: &Plan) -> Self {
+        Cracks {
+            folder: folder.to_owned(),
+            tables: plan.cracks.iter().map(|_| None).collect(),
+            last: vec![Default::default(); plan.cracks.len()],
+        }
+    }
+
+    /// Adds the state at an output to the tables.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a table cannot be written.
+    pub fn record<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        state: &State,
+    ) -> Result<(), OutputError> {
+        for (number, crack) in plan.cracks.iter().enumerate() {
+            let mut columns = ["time_s", "distance_m", "opening_m", "sliding_m"]
+                .map(str::to_owned)
+                .to_vec();
+            let exact = exact_openings(plan, model, state, number);
+            columns.extend(exact.as_ref().map(|_| "opening_exact_m".to_owned()));
+            let path = self.folder.join(format!("crack-{}.csv", crack.name));
+            let table = match &mut self.tables[number] {
+                Some(table) => table,
+                None => self.tables[number].insert(History::create(path, &columns)?),
+            };
+            let jumps = openings(model, state, number);
+            let distance = model.places.cracks[number]
+                .iter()
+                .map(|faces| faces.on.distance);
+            let distance: Vec<f64> = distance.collect();
+            for (k, jump) in jumps.iter().enumerate() {
+                let mut row = vec![state.time, distance[k], jump[0], jump[1]];
+                row.extend(exact.as_ref().map(|exact| exact[k]));
+                table.append(&row)?;
+            }
+            let opening = jumps.iter().map(|jump| jump[0]).collect();
+            self.last[number] = [distance, opening, exact.unwrap_or_default()];
+        }
+        Ok(())
+    }
+
+    /// Draws the openings at the last output.
+    ///
+    /// # Errors
+    /// Those of [`lines_svg`].
+    pub fn draw(&self, plan: &Plan) -> Result<(), OutputError> {
+        for (crack, [distance, opening, exact]) in plan.cracks.iter().zip(&self.last) {
+            let line = |label, y, style| Series {
+                label,
+                x: distance,
+                y,
+                style,
+            };
+            let mut series = vec![line("computed", opening.as_slice(), LineStyle::Line)];
+            if !exact.is_empty() {
+                series.push(line("unbounded plane", exact.as_slice(), LineStyle::Dashed));
+            }
+            let name = &crack.name;
+            let plot = LinePlot {
+                title: &format!("{}: opening of {name}", plan.title),
+                x_label: "distance along the crack [m]",
+                y_label: "opening [m]",
+                x_log: false,
+                y_log: false,
+                series: &series,
+                note: None,
+            };
+            lines_svg(self.folder.join(format!("crack-{name}.svg")), &plot)?;
+        }
+        Ok(())
+    }
+}
