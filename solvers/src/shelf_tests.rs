@@ -141,6 +141,30 @@ fn every_backend_and_preconditioner_solves_or_refuses_by_name() {
     }
 }
 
+#[test]
+fn a_correction_takes_no_more_digits_than_it_is_asked_for() {
+    let case = flow("flow");
+    let rhs = noisy_vector(case.matrix.rows());
+    for spec in every_spec() {
+        let Ok(mut solver) = ready(&spec, &case.problem()) else {
+            continue;
+        };
+        let mut run = |tolerance| {
+            let mut x = vec![0.0; rhs.len()];
+            let report = solver.solve_to(case.matrix.view(), &rhs, &mut x, tolerance);
+            let report = report.unwrap_or_else(|error| panic!("{spec}: {error}"));
+            (report.iterations, report.true_residual)
+        };
+        let (full, rough, again) = (run(0.0), run(1e-3), run(0.0));
+        assert!(rough.1 <= 1e-3 && rough.0 <= full.0, "{spec}: {rough:?}");
+        if full.0 > 6 {
+            assert!(3 * rough.0 <= 2 * full.0, "{spec}: {rough:?} {full:?}");
+        }
+        // The solver's own tolerance has come back.
+        assert!(again.1 <= 1e-11, "{spec}: {again:?}");
+    }
+}
+
 /// On systems large enough that vectors and rows are shared out.
 #[test]
 fn bits_are_equal_for_one_two_and_three_threads() {
