@@ -27,11 +27,10 @@ pub fn face_areas<const D: usize>(
         let after = weights(around, severed, cracks.end);
         let changes = before.into_iter().map(|bond| (bond, -volume));
         for (bond, factor) in changes.chain(after.into_iter().map(|bond| (bond, volume))) {
-            for axis in 0..D {
-                let change = factor * bond.weight[axis];
-                areas[bond.end][axis] += sign(axis, bond.image) * change;
-                areas[owner][axis] -= change;
-            }
+            let signs: Vector<D> = Vector::from_fn(|axis, _| sign(axis, bond.image));
+            let change = bond.weight * factor;
+            areas[bond.end] += signs.component_mul(&change);
+            areas[owner] -= change;
         }
     }
     if families.share.partition().is_some() {

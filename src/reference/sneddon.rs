@@ -54,7 +54,7 @@ mod tests {
         let sneddon = Sneddon::new([1.0, 2.0], 0.5, 10e9, 0.25).unwrap();
         let middle = sneddon.opening(&[1.0, 2.0], 1e6);
         assert!((middle - 4.0 * (1.0 - 0.0625) * 1e6 * 0.5 / 10e9).abs() < 1e-18);
-        assert_eq!(sneddon.opening(&[1.6, 2.0], 1e6), 0.0);
+        assert!(sneddon.opening(&[1.6, 2.0], 1e6).abs() <= 0.0);
         let parts = 20_000;
         let place = |k: usize| 0.5 + (k as f64 + 0.5) / f64::from(parts);
         let sum: f64 = (0..parts as usize)

@@ -21,6 +21,8 @@ use crate::schemes::{SchemeCounters, State};
 const POOR_BALANCE: f64 = 1e-8;
 /// Rate of storage, relative to all rates, below which a transient counts as settled.
 const SETTLED: f64 = 1e-4;
+/// Overlap of a crack's faces, relative to their largest jump, that is worth a warning.
+const OVERLAP: f64 = 1e-6;
 /// Coupling safety factor of Eq. 71.
 const COUPLING_SAFETY: f64 = 0.5;
 
@@ -31,6 +33,7 @@ impl<const D: usize> Run<'_, D> {
         wall: f64,
     ) -> Result<(Summary, State), RunError> {
         self.warn_of_imbalance();
+        self.warn_of_overlap();
         let model = &self.model;
         let flow = model.flow.as_ref();
         let solid = model.solid.as_ref();
@@ -132,6 +135,29 @@ impl<const D: usize> Run<'_, D> {
         let message = format!("mass is balanced to {mass:.1e} of the turnover only: {remedy}");
         self.observer.warn(&message);
         self.warnings.push(message);
+    }
+
+    /// Faces that are pressed together go through each other: nothing stops them yet.
+    fn warn_of_overlap(&mut self) {
+        // Only the first process knows the faces.
+        let partition = self.model.share().partition();
+        if partition.is_some_and(|own| own.team().rank() != 0) {
+            return;
+        }
+        for (number, crack) in self.plan.cracks.iter().enumerate() {
+            let jumps = openings(&self.model, &self.state, number);
+            let deepest = jumps.iter().map(|jump| jump[0]).fold(0.0, f64::min);
+            let sizes = jumps.iter().flatten().map(|jump| jump.abs());
+            if deepest < -OVERLAP * sizes.fold(0.0, f64::max) {
+                let message = format!(
+                    "the faces of crack \"{}\" overlap by up to {:.3e} m: they do not feel each other; \
+                     give the crack a pressure that opens it, or leave it out where it is closed",
+                    crack.name, -deepest
+                );
+                self.observer.warn(&message);
+                self.warnings.push(message);
+            }
+        }
     }
 
     /// Rate of outflow per side now, m^D/s.

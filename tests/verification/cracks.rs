@@ -135,6 +135,17 @@ fn the_same_pressure_outside_and_on_the_faces_strains_uniformly() {
 }
 
 #[test]
+fn faces_that_overlap_are_told() {
+    let warnings = |pressure| {
+        let overrides = ["geometry.spacing=0.025", pressure];
+        run_case("sneddon", &overrides).0.warnings
+    };
+    assert_eq!(warnings("cracks.main.pressure=1e6").len(), 0);
+    let told = warnings("cracks.main.pressure=-1e6");
+    assert!(told.len() == 1 && told[0].contains("overlap"), "{told:?}");
+}
+
+#[test]
 fn without_cracks_nothing_of_them_is_held_or_evaluated() {
     let text =
         PRESSED.split("[cracks.bent]").next().unwrap().to_owned() + "[time]\nmode = \"steady\"\n";

@@ -32,7 +32,9 @@ impl Crack {
             let fault = Diagnostic::new("a crack needs at least two `points`");
             report.add(fault.at(self.points.span));
         }
-        if places.windows(2).any(|pair| pair[0] == pair[1]) {
+        let same =
+            |pair: &[[f64; 2]]| (0..2).all(|axis| pair[0][axis].total_cmp(&pair[1][axis]).is_eq());
+        if places.windows(2).any(same) {
             let fault = Diagnostic::new("two `points` of a crack in a row are the same");
             report.add(fault.at(self.points.span).help("remove one"));
         }
