@@ -201,7 +201,7 @@ pub fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, sides: &[Side])
         .map(|point| f64::from(u8::from(feels(point))))
         .collect();
     // Across a crack a side is felt all the same: what the faces take is told apart.
-    for bond in &around.families.severed {
+    for bond in around.families.severed.iter().flatten() {
         if crossing[bond.owner as usize] {
             layer[bond.neighbour as usize] = 1.0;
         }

@@ -133,7 +133,8 @@ impl Planned {
                 Some(scene.geometry.span)
             }
             ModelError::Geometry(_) => Some(horizon),
-            ModelError::CrackThroughPoint { name, .. } => {
+            ModelError::CrackThroughPoint { name, .. }
+            | ModelError::CrackAtBoundary { name, .. } => {
                 scene.cracks.get(name).map(|crack| crack.points.span)
             }
             ModelError::EmptyRegion { material: name } => {

@@ -15,7 +15,7 @@ pub fn crack_pressures<const D: usize>(
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
     for (crack, load) in pressed {
         let areas = face_areas(&elastic.around, crack..crack + 1, sign);
-        let components = areas.iter().flat_map(|area| area.iter());
+        let components = areas.iter().flatten().flat_map(|area| area.iter());
         let acting = (0_u32..).zip(components).filter(|(_, area)| **area != 0.0);
         effects.push(Box::new(SolidLoad {
             name: "crack-pressure",

@@ -91,7 +91,7 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
     let sums = column_sums(around, weight, |_, bond| {
         natural.sign(around.families.image(bond))
     });
-    // Faces of cracks near the side are none of it.
+    // Faces of cracks near the side are no part of it.
     let faces = face_areas(around, 0..u16::MAX, |_, image| natural.sign(image));
     let domain = &around.cloud.domain;
     let opposite = Side {
@@ -104,8 +104,9 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
         let gap = |side: Side| (x - domain.plane(side)).abs();
         layer[point] && gap(side) < gap(opposite)
     };
+    let face = |point: usize| faces.as_ref().map_or(0.0, |faces| faces[point][side.axis]);
     let area = |(point, sum): (usize, &Vector<D>)| match near(point) {
-        true => side.outward() * (sum[side.axis] - faces[point][side.axis]),
+        true => side.outward() * (sum[side.axis] - face(point)),
         false => 0.0,
     };
     sums.iter().enumerate().map(area).collect()

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::cell_list::CellList;
 use super::near::Near;
-use super::{Cloud, Crack, Cutter, GeometryError, ImageTable, Share, Vector};
+use super::{Cloud, Cutter, GeometryError, ImageTable, Share, Vector};
 use perifrac_solvers::Partition;
 
 /// The cloud together with its mirror images within reach, ready for radius searches.
@@ -25,9 +25,8 @@ impl<const D: usize> World<D> {
         near: Option<&Near<D>>,
     ) -> Self {
         let wanted = |x: &Vector<D>| near.is_none_or(|near| near.holds(x));
-        let all = (0_u32..).zip(&cloud.position);
-        let (source, positions) = all.filter(|(_, x)| wanted(x)).unzip();
-        let (mut source, mut positions): (Vec<u32>, Vec<Vector<D>>) = (source, positions);
+        let points = (0_u32..).zip(&cloud.position).filter(|(_, x)| wanted(x));
+        let (mut source, mut positions): (Vec<u32>, Vec<Vector<D>>) = points.unzip();
         let mut image = vec![0_u8; source.len()];
         let (low, high) = (
             cloud.domain.lower.add_scalar(-reach),
@@ -75,8 +74,8 @@ pub struct Families<const D: usize> {
     pub images: ImageTable<D>,
     /// The part of the bonds that is held here.
     pub share: Share,
-    /// Bonds that cracks have cut, by owner; they are none any more.
-    pub severed: Vec<Severed>,
+    /// Bonds that cracks have cut, by owner; they are none any more. `None` without cracks.
+    pub severed: Option<Vec<Severed>>,
     offset: Vec<u32>,
     neighbour: Vec<u32>,
     image: Vec<u8>,
@@ -185,7 +184,7 @@ impl<const D: usize> Families<D> {
             horizon,
             images,
             share,
-            severed: Vec::new(),
+            severed: None,
             offset,
             neighbour,
             image,
@@ -202,9 +201,12 @@ impl<const D: usize> Families<D> {
     /// # Errors
     /// As [`Families::search`].
     pub fn retain_images(&self, keep: impl Fn(u8) -> bool) -> Result<Self, GeometryError> {
-        let severed = self.severed.iter().filter(|bond| keep(bond.image));
+        let kept = |severed: &Vec<Severed>| {
+            let kept = severed.iter().filter(|bond| keep(bond.image));
+            kept.copied().collect()
+        };
         Ok(Families {
-            severed: severed.copied().collect(),
+            severed: self.severed.as_ref().map(kept),
             ..self.retain(|_, bond| keep(self.image[bond]))?
         })
     }
@@ -213,8 +215,7 @@ impl<const D: usize> Families<D> {
     ///
     /// # Errors
     /// As [`Families::search`].
-    pub fn cut(&self, cloud: &Cloud<D>, cracks: &[Crack<D>]) -> Result<Self, GeometryError> {
-        let cutter = Cutter::new(cracks, &self.images);
+    pub fn cut(&self, cloud: &Cloud<D>, cutter: &Cutter<D>) -> Result<Self, GeometryError> {
         let crack = |owner: usize, bond: usize| {
             let image = self.images.get(self.image[bond]);
             let end = image.place(&cloud.position[self.neighbour(bond)]);
@@ -239,7 +240,10 @@ impl<const D: usize> Families<D> {
             let same = |cut: &&Severed| (cut.owner, cut.neighbour, cut.image) == end;
             next.next_if(same).is_none()
         })?;
-        Ok(Families { severed, ..kept })
+        Ok(Families {
+            severed: Some(severed),
+            ..kept
+        })
     }
 
     fn retain(&self, mut keep: impl FnMut(usize, usize) -> bool) -> Result<Self, GeometryError> {
@@ -314,7 +318,7 @@ impl<const D: usize> Families<D> {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let words = self.offset.len() + self.neighbour.len() + 3 * self.dual_bond.len();
-        let severed = size_of::<Severed>() * self.severed.len();
+        let severed = size_of::<Severed>() * self.severed.as_ref().map_or(0, Vec::len);
         severed + 4 * words + self.image.len() + 8 * self.horizon.len() + self.share.bytes()
     }
 }

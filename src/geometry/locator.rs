@@ -15,21 +15,9 @@ pub struct Place<const D: usize> {
 impl<const D: usize> Place<D> {
     /// Looks at all points; many places are found faster by a [`Locator`].
     pub fn find(cloud: &Cloud<D>, at: Vector<D>) -> Self {
-        Self::find_among(cloud, at, |_| true)
-    }
-
-    /// As [`Place::find`], among the points that are wanted.
-    pub fn find_among(
-        cloud: &Cloud<D>,
-        at: Vector<D>,
-        wanted: impl Fn(&usize) -> bool + Copy,
-    ) -> Self {
-        let distance = |point: usize| (cloud.position[point] - at).norm();
-        let points = (0..cloud.len()).filter(wanted);
-        let first = points.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-        let nearest = first.map_or_else(Vec::new, |first| {
+        let nearest = cloud.nearest(&at).map_or_else(Vec::new, |first| {
             let limit = limit(cloud, &at, first);
-            let near = |&i: &usize| wanted(&i) && distance(i) <= limit;
+            let near = |&i: &usize| (cloud.position[i] - at).norm() <= limit;
             (0..cloud.len()).filter(near).collect()
         });
         Place { at, nearest }
@@ -64,35 +52,50 @@ impl<'a, const D: usize> Locator<'a, D> {
 
     /// As [`Place::find`].
     pub fn place(&self, at: Vector<D>) -> Place<D> {
-        if self.cloud.is_empty() || !at.iter().all(|x| x.is_finite()) {
-            return Place::find(self.cloud, at);
-        }
-        let limit = limit(self.cloud, &at, self.nearest(&at));
+        self.place_among(at, |_| true).unwrap_or(Place {
+            at,
+            nearest: Vec::new(),
+        })
+    }
+
+    /// As [`Place::find`], among the points whose positions are wanted; `None` without any.
+    pub fn place_among(
+        &self,
+        at: Vector<D>,
+        wanted: impl Fn(&Vector<D>) -> bool,
+    ) -> Option<Place<D>> {
+        let position = &self.cloud.position;
+        let limit = limit(self.cloud, &at, self.nearest(&at, &wanted)?);
         let mut nearest = Vec::new();
         // The limit is one on distances; squares are compared with room for their rounding.
         self.cells.within(&at, limit * (1.0 + 1e-12), |index, _| {
             nearest.push(index as usize);
         });
-        nearest.retain(|&i| (self.cloud.position[i] - at).norm() <= limit);
+        nearest.retain(|&i| (position[i] - at).norm() <= limit && wanted(&position[i]));
         nearest.sort_unstable();
-        Place { at, nearest }
+        Some(Place { at, nearest })
     }
 
-    fn nearest(&self, at: &Vector<D>) -> usize {
+    fn nearest(&self, at: &Vector<D>, wanted: impl Fn(&Vector<D>) -> bool) -> Option<usize> {
         let mut radius = self.reach;
-        loop {
-            let mut nearest = (f64::INFINITY, u32::MAX);
+        while radius.is_finite() {
+            let (mut nearest, mut seen) = ((f64::INFINITY, u32::MAX), 0);
             self.cells.within(at, radius, |index, squared| {
+                seen += 1;
                 let better = squared.total_cmp(&nearest.0).then(index.cmp(&nearest.1));
-                if better.is_lt() {
+                if better.is_lt() && wanted(&self.cloud.position[index as usize]) {
                     nearest = (squared, index);
                 }
             });
             if nearest.0.is_finite() {
-                return nearest.1 as usize;
+                return Some(nearest.1 as usize);
+            }
+            if seen == self.cloud.len() {
+                return None;
             }
             radius *= 2.0;
         }
+        None
     }
 }
 
@@ -115,5 +118,19 @@ mod tests {
                 prop_assert_eq!(locator.place(place), Place::find(&cloud, place));
             }
         }
+    }
+
+    #[test]
+    fn only_wanted_points_are_found_if_there_are_any() {
+        let cloud = lattice(Vector::<2>::zeros(), Vector::repeat(1.0), [10, 10]).unwrap();
+        let locator = Locator::new(&cloud);
+        let at = Vector::<2>::new(0.5, 0.5);
+        let above = locator.place_among(at, |x| x[1] > 0.5).unwrap();
+        assert_eq!(above.nearest, [54, 55]);
+        let far = locator.place_among(at, |x| x[0] > 0.9).unwrap();
+        assert_eq!(far.nearest, [49, 59]);
+        assert_eq!(locator.place_among(at, |x| x[0] > 1.0), None);
+        let nowhere = Vector::<2>::new(f64::NAN, 0.0);
+        assert_eq!(locator.place_among(nowhere, |_| true), None);
     }
 }

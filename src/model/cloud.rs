@@ -55,8 +55,8 @@ pub fn build_cloud<const D: usize>(
     }
 }
 
-/// Finds the families of the plan's horizon; with a team only those that this process needs, to which
-/// the first adds those of points in `watched`.
+/// Finds the families of the plan's horizon; with a team only those that this process needs, and those of
+/// points in `watched`.
 ///
 /// # Errors
 /// [`ModelError::Geometry`].
@@ -77,7 +77,6 @@ pub fn build_families<const D: usize>(
     };
     let partition = Partition::bisection(team.clone(), &coordinates);
     let horizon = horizons_in_parts(cloud, plan.horizon, Some(&partition))?;
-    let watched = if team.rank() == 0 { watched } else { &[] };
     let families = Families::search_share(cloud, horizon, Some(partition), watched)?;
     cut(plan, cloud, families)
 }
@@ -99,8 +98,7 @@ fn cut<const D: usize>(
     if plan.cracks.is_empty() {
         return Ok(families);
     }
-    let cracks = cracks(plan);
-    let cutter = Cutter::new(&cracks, &families.images);
+    let cutter = Cutter::new(&cracks(plan), &families.images);
     for (point, x) in cloud.position.iter().enumerate() {
         if let Some(crack) = cutter.first(x, x) {
             return Err(ModelError::CrackThroughPoint {
@@ -110,7 +108,7 @@ fn cut<const D: usize>(
             });
         }
     }
-    Ok(families.cut(cloud, &cracks)?)
+    Ok(families.cut(cloud, &cutter)?)
 }
 
 fn from_table<const D: usize>(

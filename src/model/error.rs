@@ -37,6 +37,17 @@ pub enum ModelError {
         /// Its position, m.
         position: Vec<f64>,
     },
+    /// A crack that separates nothing.
+    #[error(
+        "crack \"{name}\" has no point on one side of {at:?}: it lies along the boundary of the cloud or \
+         outside; move it inside"
+    )]
+    CrackAtBoundary {
+        /// Name of the crack.
+        name: String,
+        /// A place on it, m.
+        at: Vec<f64>,
+    },
     /// A material's region holds no point.
     #[error("the region of material \"{material}\" holds no point; enlarge it or refine the cloud")]
     EmptyRegion {

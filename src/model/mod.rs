@@ -42,7 +42,7 @@ pub struct Model<const D: usize> {
     pub solid: Option<SolidModel<D>>,
     /// What couples the two.
     pub coupling: Option<Coupling>,
-    /// Probes and profiles.
+    /// Where values between points are wanted.
     pub places: Places<D>,
     /// What the user should know.
     pub warnings: Vec<String>,
@@ -71,7 +71,7 @@ impl<const D: usize> Model<D> {
         }
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         let cloud = Arc::new(cloud);
-        let places = Places::find(plan, &cloud);
+        let places = Places::find(plan, &cloud)?;
         let families = timers.time("families", || {
             build_families(plan, &cloud, team, &places.points())
         })?;

@@ -1,9 +1,10 @@
 //! Where the plan wants values that are not at points.
 
+use super::ModelError;
 use super::cloud::cracks;
 use crate::effects::vector;
 use crate::geometry::{Cloud, Crack, Locator, OnCrack, Place, Vector};
-use crate::plan::{Plan, Profile};
+use crate::plan::{CrackPlan, Plan, Profile};
 
 /// Places along each crack at which it is measured.
 const ALONG: usize = 50;
@@ -29,15 +30,13 @@ pub struct Faces<const D: usize> {
 }
 
 impl<const D: usize> Faces<D> {
-    fn find(cloud: &Cloud<D>, on: OnCrack<D>) -> Self {
+    fn find(locator: &Locator<'_, D>, on: OnCrack<D>) -> Option<Self> {
         let side = |sign: f64| {
-            let off = |point: &usize| (cloud.position[*point] - on.at).dot(&on.normal) * sign > 0.0;
-            Place::find_among(cloud, on.at, off)
+            let off = |x: &Vector<D>| (x - on.at).dot(&on.normal) * sign > 0.0;
+            locator.place_among(on.at, off)
         };
-        Faces {
-            on,
-            sides: [side(1.0), side(-1.0)],
-        }
+        let sides = [side(1.0)?, side(-1.0)?];
+        Some(Faces { on, sides })
     }
 
     /// Opening and sliding (m) from the displacements of the two faces; sliding is positive where the
@@ -50,30 +49,33 @@ impl<const D: usize> Faces<D> {
 
 impl<const D: usize> Places<D> {
     /// Finds the places of a plan.
-    pub fn find(plan: &Plan, cloud: &Cloud<D>) -> Self {
+    ///
+    /// # Errors
+    /// [`ModelError::CrackAtBoundary`].
+    pub fn find(plan: &Plan, cloud: &Cloud<D>) -> Result<Self, ModelError> {
         let output = &plan.output;
-        let along = |crack: &Crack<D>| {
-            let middles = crack.middles(ALONG);
-            middles
-                .into_iter()
-                .map(|on| Faces::find(cloud, on))
-                .collect()
-        };
-        let cracks: Vec<Vec<Faces<D>>> = cracks(plan).iter().map(along).collect();
-        if output.probes.is_empty() && output.profiles.is_empty() {
-            return Places {
-                cracks,
-                ..Self::default()
-            };
+        if output.probes.is_empty() && output.profiles.is_empty() && plan.cracks.is_empty() {
+            return Ok(Self::default());
         }
         let locator = Locator::new(cloud);
         let place = |at: &[f64]| locator.place(vector(at));
         let along = |profile: &Profile| profile.places().iter().map(|at| place(at)).collect();
-        Places {
+        let faces = |(crack, own): (Crack<D>, &CrackPlan)| -> Result<Vec<Faces<D>>, ModelError> {
+            let middles = crack.middles(ALONG).into_iter();
+            let face = |on: OnCrack<D>| {
+                Faces::find(&locator, on).ok_or_else(|| ModelError::CrackAtBoundary {
+                    name: own.name.clone(),
+                    at: on.at.iter().copied().collect(),
+                })
+            };
+            middles.map(face).collect()
+        };
+        let cracks = cracks(plan).into_iter().zip(&plan.cracks).map(faces);
+        Ok(Places {
             probes: output.probes.iter().map(|probe| place(&probe.at)).collect(),
             profiles: output.profiles.iter().map(along).collect(),
-            cracks,
-        }
+            cracks: cracks.collect::<Result<_, _>>()?,
+        })
     }
 
     /// Points that give the values.

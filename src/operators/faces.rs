@@ -8,15 +8,16 @@ use crate::geometry::{Matrix, Severed, Vector};
 ///
 /// These are the area vectors of the faces, out of the body and spread over the points that lost bonds.
 /// A uniform stress σ is in equilibrium with the forces σ a on them to rounding error, as it is with
-/// tractions on the area vectors of sides.
+/// tractions on the area vectors of sides. `None` without cracks.
 pub fn face_areas<const D: usize>(
     around: &Neighbourhood<D>,
     cracks: std::ops::Range<u16>,
     sign: impl Fn(usize, u8) -> f64,
-) -> Vec<Vector<D>> {
-    let mut areas = vec![Vector::zeros(); around.len()];
+) -> Option<Vec<Vector<D>>> {
     let families = &around.families;
-    for severed in families.severed.chunk_by(|a, b| a.owner == b.owner) {
+    let severed = families.severed.as_ref()?;
+    let mut areas = vec![Vector::zeros(); around.len()];
+    for severed in severed.chunk_by(|a, b| a.owner == b.owner) {
         if !severed.iter().any(|bond| cracks.contains(&bond.crack)) {
             continue;
         }
@@ -44,7 +45,7 @@ pub fn face_areas<const D: usize>(
             .map(Vector::from_column_slice)
             .collect();
     }
-    areas
+    Some(areas)
 }
 
 /// A bond and its weight in the gradient.

@@ -37,8 +37,8 @@ impl<const D: usize> Neighbourhood<D> {
     ) -> Result<Self, GeometryError> {
         let weigh = |owner: usize, bond: usize| {
             let distance = families.bond_vector(&cloud, owner, bond).norm();
-            influence.weight(distance, families.horizon[owner])
-                * cloud.volume[families.neighbour(bond)]
+            let horizon = families.horizon[owner];
+            influence.weight(distance, horizon) * cloud.volume[families.neighbour(bond)]
         };
         let measure: Vec<f64> = (0..families.len())
             .into_par_iter()
@@ -63,11 +63,10 @@ impl<const D: usize> Neighbourhood<D> {
         })
     }
 
-    /// ω(ξ) V_j of any bond, also of one that is not in the family.
+    /// ω(ξ) V_j of a bond that may be severed, which has no `measure`.
     pub fn weigh(&self, owner: usize, end: usize, xi: &Vector<D>) -> f64 {
-        self.influence
-            .weight(xi.norm(), self.families.horizon[owner])
-            * self.cloud.volume[end]
+        let horizon = self.families.horizon[owner];
+        self.influence.weight(xi.norm(), horizon) * self.cloud.volume[end]
     }
 
     /// Number of points.

@@ -139,11 +139,6 @@ impl<const D: usize> Run<'_, D> {
 
     /// Faces that are pressed together go through each other: nothing stops them yet.
     fn warn_of_overlap(&mut self) {
-        // Only the first process knows the faces.
-        let partition = self.model.share().partition();
-        if partition.is_some_and(|own| own.team().rank() != 0) {
-            return;
-        }
         for (number, crack) in self.plan.cracks.iter().enumerate() {
             let jumps = openings(&self.model, &self.state, number);
             let deepest = jumps.iter().map(|jump| jump[0]).fold(0.0, f64::min);

@@ -81,13 +81,13 @@ fn table(place: &Place, name: &str) -> Vec<(String, Vec<f64>)> {
         .collect()
 }
 
-/// Pressures and displacements along the column agree to the tolerance of the solvers.
+/// Pressures, displacements and openings along a line agree to the tolerance of the solvers.
 fn assert_same_table(place: &Place, count: usize, name: &str) {
     let one = table(place, &format!("out0/{name}"));
     let several = table(place, &format!("out{count}/{name}"));
     let mut compared = 0;
     for ((heading, one), (_, several)) in one.iter().zip(&several) {
-        if !["pressure_Pa", "displacement_x_m"].contains(&heading.as_str()) {
+        if !["pressure_Pa", "displacement_x_m", "opening_m"].contains(&heading.as_str()) {
             continue;
         }
         compared += one.len();
@@ -154,6 +154,14 @@ fn flow_between_wells() {
     let short = ["--set", "time.end=0.02", "--set", "output.times=[0.01]"];
     let all: Vec<&str> = coarse.iter().chain(&short).copied().collect();
     assert_same_for_all_counts(&all, "profile-diagonal.csv");
+}
+
+#[test]
+fn a_crack_whose_faces_belong_to_several_processes() {
+    let scene = ["sneddon", "--set", "geometry.spacing=0.025"];
+    let step = ["--set", "time={end=1, step=1}"];
+    let all: Vec<&str> = scene.iter().chain(&step).copied().collect();
+    assert_same_for_all_counts(&all, "crack-main.csv");
 }
 
 #[test]

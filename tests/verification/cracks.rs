@@ -123,15 +123,16 @@ fn the_same_pressure_outside_and_on_the_faces_strains_uniformly() {
                 .all(|jump| jump.abs() < 1e-10 * strain.abs())
         );
     }
-    let severed = &model
-        .solid
-        .as_ref()
-        .unwrap()
-        .elastic
-        .around
-        .families
-        .severed;
+    let families = &model.solid.as_ref().unwrap().elastic.around.families;
+    let severed = families.severed.as_ref().unwrap();
     assert!(severed.iter().any(|bond| bond.image != 0) && severed.len() > 500);
+}
+
+#[test]
+fn a_crack_along_the_boundary_separates_nothing() {
+    let plan = plan("sneddon", &["cracks.main.points=[[0.1, 1], [0.3, 1]]"]);
+    let error = try_run(&plan).unwrap_err().to_string();
+    assert!(error.contains("no point on one side"), "{error}");
 }
 
 #[test]
@@ -150,6 +151,8 @@ fn without_cracks_nothing_of_them_is_held_or_evaluated() {
     let text =
         PRESSED.split("[cracks.bent]").next().unwrap().to_owned() + "[time]\nmode = \"steady\"\n";
     let (summary, _) = try_run(&plan_of(&text, &[])).unwrap();
+    let bare = model::<2>(&plan_of(&text, &[])).solid.unwrap();
+    assert!(bare.elastic.around.families.severed.is_none());
     assert!(!summary.counters.evaluations.contains_key("crack-pressure"));
     let (cracked, _) = try_run(&plan_of(PRESSED, &[])).unwrap();
     assert!(cracked.counters.evaluations["crack-pressure"] > 0);

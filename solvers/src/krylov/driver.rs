@@ -162,6 +162,7 @@ impl Krylov {
         }
     }
 
+    /// Iterates, and refuses what is not good enough.
     fn verified(
         &mut self,
         matrix: CsrView<'_>,

@@ -41,9 +41,7 @@ impl Resolver<'_> {
             loads: mechanics.loads.iter().map(traction).collect(),
         })
     }
-}
 
-impl Resolver<'_> {
     /// The faces of a crack are no layer that the divergence-consistent gradient knows.
     fn solid_gradient(&mut self, mechanics: &Mechanics) -> Option<GradientChoice> {
         let chosen = gradient(mechanics.gradient.value);
