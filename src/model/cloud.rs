@@ -84,7 +84,7 @@ pub fn build_families<const D: usize>(
 /// The plan's cracks.
 pub fn cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
     let chain = |crack: &CrackPlan| Crack {
-        points: crack.points.iter().map(|x| vector(x)).collect(),
+        points: crack.points().iter().map(|x| vector(x)).collect(),
     };
     plan.cracks.iter().map(chain).collect()
 }

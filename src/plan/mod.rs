@@ -11,9 +11,10 @@ pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, m
 pub use files::{FileError, PointTable};
 pub use resolve::resolve;
 pub use types::{
-    Acceleration, CouplingPlan, CrackPlan, FlowPlan, FluidPlan, GeometryPlan, GradientChoice,
-    GravityPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan,
+    Acceleration, ApertureRule, CouplingPlan, CrackKind, CrackPlace, CrackPlan, DamageMethod,
+    DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan, GradientChoice,
+    GravityPlan, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan,
     PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
     SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StepRule, Support, TimeMode, TimePlan,
-    TractionPlan, WellPlan,
+    TractionPlan, TransmissivityRule, WellPlan,
 };

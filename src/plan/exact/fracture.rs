@@ -38,7 +38,7 @@ pub fn exact_opening(plan: &Plan) -> Result<Option<Sneddon>, String> {
 
 /// Middle and half length of the whole crack; a tip on a side of symmetry is its middle.
 fn extent(plan: &Plan, crack: &CrackPlan) -> Result<([f64; 2], f64), String> {
-    let [first, last] = crack.points.as_slice() else {
+    let [first, last] = crack.points() else {
         return Err("Sneddon's solution needs a straight crack of two points".to_owned());
     };
     let length = (0..2)

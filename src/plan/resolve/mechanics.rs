@@ -4,7 +4,7 @@ use super::Resolver;
 use super::flow::gradient;
 use crate::load::Load;
 use crate::plan::types::{
-    CouplingPlan, CrackPlan, GradientChoice, MechanicsPlan, Support, TractionPlan,
+    CouplingPlan, CrackKind, CrackPlace, CrackPlan, GradientChoice, MechanicsPlan, Support, TractionPlan,
 };
 use crate::scene::quantity::{Dimension, values};
 use crate::scene::{self, Coupling, Mechanics};
@@ -71,8 +71,10 @@ impl Resolver<'_> {
 pub(super) fn cracks(scene: &scene::Scene) -> Vec<CrackPlan> {
     let crack = |entry: &scene::Entry<scene::Crack>| CrackPlan {
         name: entry.name.clone(),
-        points: entry.value.resolved(),
+        kind: CrackKind::Cut,
+        place: CrackPlace::Chain(entry.value.resolved()),
         pressure: entry.value.pressure.as_ref().map(scene::Load::resolved),
+        injection: None,
     };
     scene.cracks.iter().map(crack).collect()
 }

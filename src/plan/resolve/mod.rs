@@ -73,6 +73,8 @@ impl Resolver<'_> {
             flow: scene.flow.as_deref().map(flow::flow_plan),
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
+            damage: None,
+            fracture_flow: None,
             gravity: scene.gravity.as_deref().map(flow::gravity),
             cracks: mechanics::cracks(scene),
             wells: flow::wells(scene),

@@ -20,6 +20,8 @@ pub struct MaterialPlan {
     pub biot_coefficient: Option<f64>,
     /// Density of the rock with its fluid, kg/m³; always there if its weight or inertia acts.
     pub density: Option<f64>,
+    /// Energy G_c that a crack takes per area, J/m²; always there if rock can break.
+    pub fracture_energy: Option<f64>,
 }
 
 /// Where a permeability comes from.

@@ -1,6 +1,7 @@
 //! What a plan holds. Everything is in SI units; a missing option means the effect does not exist.
 
 mod crack;
+mod damage;
 mod material;
 mod mechanics;
 mod scheme;
@@ -8,7 +9,10 @@ mod scheme;
 use perifrac_solvers::SolverSpec;
 use serde::Serialize;
 
-pub use crack::CrackPlan;
+pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
+pub use damage::{
+    ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, TransmissivityRule,
+};
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
@@ -43,9 +47,13 @@ pub struct Plan {
     pub mechanics: Option<MechanicsPlan>,
     /// How flow and deformation feel each other, if there are both.
     pub coupling: Option<CouplingPlan>,
+    /// Damage, if the scene names it.
+    pub damage: Option<DamagePlan>,
+    /// Flow in what is broken, if the scene names it.
+    pub fracture_flow: Option<FractureFlowPlan>,
     /// Gravity, if the scene names it.
     pub gravity: Option<GravityPlan>,
-    /// Cracks that are there from the start, in the scene's order; only in a plane.
+    /// Cracks that are there from the start, in the scene's order.
     pub cracks: Vec<CrackPlan>,
     /// Wells, in the scene's order.
     pub wells: Vec<WellPlan>,

@@ -1,0 +1,91 @@
+//! What a plan says about damage and about flow in what is broken.
+
+use serde::Serialize;
+
+/// Variational damage (Eqs. 20 to 35).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DamagePlan {
+    /// Length scale ℓ, m.
+    pub length_scale: f64,
+    /// Which part of the energy breaks the rock.
+    pub split: EnergySplit,
+    /// Share k of the stiffness that is never lost.
+    pub residual_stiffness: f64,
+    /// Whether the fracture energy is scaled by ℓ/2δ, so that a crack costs what it should.
+    pub normalise: bool,
+    /// How equilibrium with damage is found.
+    pub method: DamageMethod,
+    /// Forces out of balance, relative to all forces, that count as equilibrium.
+    pub tolerance: f64,
+    /// Largest number of iterations of a step.
+    pub iterations: usize,
+    /// Growth of damage at a point, in one step, above which an adaptive step is cut.
+    pub largest_increment: f64,
+    /// Shortest adaptive step, s: growth that goes on in it is accepted however fast it is.
+    pub shortest_step: f64,
+}
+
+/// Splits of the elastic energy into what breaks the rock and what does not (Eq. 24).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EnergySplit {
+    /// Positive principal strains and expansion.
+    Spectral,
+    /// Expansion and all change of shape.
+    VolumetricDeviatoric,
+    /// All of it.
+    None,
+}
+
+/// Ways to equilibrium with damage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DamageMethod {
+    /// Newton's method where it works, alternate minimisation elsewhere.
+    Auto,
+    /// Damage eliminated, exact tangent.
+    Newton,
+    /// Displacement at fixed damage, then damage.
+    Alternate,
+}
+
+/// Flow in what is broken (Eqs. 40 to 46).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FractureFlowPlan {
+    /// How the opening is found.
+    pub aperture: ApertureRule,
+    /// What the permeability of a crack stands for.
+    pub transmissivity: TransmissivityRule,
+    /// Damage c₁ up to which rock is intact.
+    pub lower_threshold: f64,
+    /// Damage c₂ from which it is a fracture.
+    pub upper_threshold: f64,
+    /// Storage coefficient in fractures, 1/Pa; that of the rock if `None`.
+    pub storage: Option<f64>,
+    /// Biot coefficient in fractures.
+    pub biot_coefficient: f64,
+    /// Viscosity in fractures, Pa s; that of the fluid if `None`.
+    pub viscosity: Option<f64>,
+    /// Permeability of fractures, m², instead of that of their opening.
+    pub permeability: Option<f64>,
+}
+
+/// Ways to find the opening of a crack from bonds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ApertureRule {
+    /// Opening along each bond divided by the cosine to the normal of the crack.
+    Normal,
+    /// Plain mean over the bonds, Eq. 42 as printed.
+    Mean,
+}
+
+/// What the permeability of a crack stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TransmissivityRule {
+    /// w²/12 scaled by w/2δ, so that the band conducts w³/12.
+    Cubic,
+    /// w²/12 in the whole band, as printed.
+    Paper,
+}
