@@ -4,12 +4,42 @@ use std::cell::RefCell;
 
 use super::Pattern;
 use super::scalar::by_rows;
-use crate::geometry::Vector;
+use crate::geometry::{Matrix, Vector};
 use crate::operators::{Elastic, Lame};
 
 thread_local! {
     /// Column → place in the current row of points; one per thread.
     static PLACE: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What the stiffness of families is made of.
+pub trait Moduli<const D: usize>: Sync {
+    /// Stresses at the owner of a family, times its volume, per displacement along each axis of a point
+    /// whose weight in the strain is `weight` (1/m).
+    fn stresses(&self, owner: usize, weight: &Vector<D>) -> [Matrix<D>; D];
+
+    /// Factor of the hourglass stiffness of a family.
+    fn hourglass(&self, _owner: usize) -> f64 {
+        1.0
+    }
+}
+
+/// Isotropic elasticity.
+struct Isotropic<'a, const D: usize>(&'a Elastic<D>);
+
+impl<const D: usize> Moduli<D> for Isotropic<'_, D> {
+    fn stresses(&self, owner: usize, weight: &Vector<D>) -> [Matrix<D>; D] {
+        let Lame { lambda, mu } = self.0.lame[owner];
+        let scaled = weight * self.0.around.cloud.volume[owner];
+        std::array::from_fn(|axis| {
+            let mut stress = Matrix::identity() * (lambda * scaled[axis]);
+            for k in 0..D {
+                stress[(axis, k)] += mu * scaled[k];
+                stress[(k, axis)] += mu * scaled[k];
+            }
+            stress
+        })
+    }
 }
 
 /// Fills `values` with the stiffness matrix K of `elastic`.
@@ -18,9 +48,28 @@ thread_local! {
 /// `points.expanded(D)`: all columns of a point's first component, then of the next. Rows are summed
 /// in a fixed order, so the bits do not depend on the number of threads.
 pub fn fill_stiffness<const D: usize>(elastic: &Elastic<D>, points: &Pattern, values: &mut [f64]) {
-    values.fill(0.0);
+    fill_rows(elastic, &Isotropic(elastic), None, points, values);
+}
+
+/// As [`fill_stiffness`] with other moduli, and only the rows of points in whose own family or in whose
+/// neighbours' families `changed` (shape `(n,)`) is set.
+pub fn fill_rows<const D: usize>(
+    elastic: &Elastic<D>,
+    moduli: &impl Moduli<D>,
+    changed: Option<&[bool]>,
+    points: &Pattern,
+    values: &mut [f64],
+) {
+    let families = &elastic.around.families;
     let offsets: Vec<u32> = points.offsets.iter().map(|o| o * (D * D) as u32).collect();
     by_rows(&offsets, values, |point, values| {
+        let touched = |changed: &[bool]| {
+            changed[point] || families.dual(point).any(|(owner, _)| changed[owner])
+        };
+        if !changed.is_none_or(touched) {
+            return;
+        }
+        values.fill(0.0);
         PLACE.with_borrow_mut(|place| {
             place.resize(place.len().max(points.rows()), 0);
             let columns = &points.columns[points.row(point)];
@@ -30,12 +79,13 @@ pub fn fill_stiffness<const D: usize>(elastic: &Elastic<D>, points: &Pattern, va
             let width = columns.len() * D;
             let mut row = Row {
                 elastic,
+                moduli,
                 place,
                 width,
                 values,
             };
             row.own(point);
-            for (owner, bond) in elastic.around.families.dual(point) {
+            for (owner, bond) in families.dual(point) {
                 row.dual(owner, bond);
             }
         });
@@ -43,8 +93,9 @@ pub fn fill_stiffness<const D: usize>(elastic: &Elastic<D>, points: &Pattern, va
 }
 
 /// The rows of one point's components.
-struct Row<'a, const D: usize> {
+struct Row<'a, const D: usize, M> {
     elastic: &'a Elastic<D>,
+    moduli: &'a M,
     place: &'a [u32],
     width: usize,
     values: &'a mut [f64],
@@ -60,13 +111,13 @@ struct Share<const D: usize> {
     sign: Vector<D>,
 }
 
-impl<const D: usize> Row<'_, D> {
+impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
     /// The point as the owner of its family, with minus the sum of all bonds.
     fn own(&mut self, point: usize) {
         let elastic = self.elastic;
         let around = &elastic.around;
         let family = around.families.family(point);
-        let (_, stiffness) = elastic.hourglass(point);
+        let stiffness = elastic.hourglass(point).1 * self.moduli.hourglass(point);
         let (mut strain, mut hourglass) = (Vector::zeros(), Vector::zeros());
         for bond in family {
             let own = stiffness * around.measure[bond];
@@ -86,7 +137,7 @@ impl<const D: usize> Row<'_, D> {
     /// The point as the end of a bond.
     fn dual(&mut self, owner: usize, bond: usize) {
         let elastic = self.elastic;
-        let (_, stiffness) = elastic.hourglass(owner);
+        let stiffness = elastic.hourglass(owner).1 * self.moduli.hourglass(owner);
         let own = stiffness * elastic.around.measure[bond];
         let sign = elastic.signs(bond);
         self.stretch(owner, bond, sign, own, sign);
@@ -120,12 +171,7 @@ impl<const D: usize> Row<'_, D> {
     fn couple(&mut self, share: &Share<D>) {
         let elastic = self.elastic;
         let families = &elastic.around.families;
-        let volume = elastic.around.cloud.volume[share.owner];
-        let Lame { lambda, mu } = elastic.lame[share.owner];
-        let lame = Lame {
-            lambda: lambda * volume,
-            mu: mu * volume,
-        };
+        let stresses = self.moduli.stresses(share.owner, &share.strain);
         let (plain, _) = elastic.hourglass(share.owner);
         let mut own = [[0.0; D]; D];
         for bond in families.family(share.owner) {
@@ -133,14 +179,13 @@ impl<const D: usize> Row<'_, D> {
             let rest = share.hourglass.dot(&plain.weight[bond]);
             let place = self.place[families.neighbour(bond)] as usize;
             let sign = elastic.signs(bond);
-            let shear = lame.mu * share.strain.dot(weight);
             for a in 0..D {
                 let row = &mut self.values[a * self.width + place * D..][..D];
+                let traction = stresses[a] * weight;
                 for b in 0..D {
-                    let mut entry = lame.lambda * share.strain[a] * weight[b]
-                        + lame.mu * share.strain[b] * weight[a];
+                    let mut entry = traction[b];
                     if a == b {
-                        entry += shear - rest;
+                        entry -= rest;
                     }
                     entry *= share.sign[a];
                     row[b] += entry * sign[b];

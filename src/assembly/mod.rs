@@ -10,7 +10,7 @@ mod scalar;
 pub use consistency::{
     Consistency, ConsistencyError, Planes, boundary_layer, consistent_gradient, natural_extension,
 };
-pub use elastic::fill_stiffness;
+pub use elastic::{Moduli, fill_rows, fill_stiffness};
 pub use operator::ScalarOperator;
 pub use pattern::{Pattern, PatternError, matrix_bytes, row_of};
 pub use scalar::Refill;

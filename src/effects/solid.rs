@@ -18,6 +18,8 @@ pub struct SolidContext<'a, const D: usize> {
     pub elastic: &'a Elastic<D>,
     /// Bulk density per point, kg/m³; empty where no effect needs it.
     pub density: &'a [f64],
+    /// Points per crack that are damaged from the start.
+    pub bands: &'a [Vec<u32>],
 }
 
 type Build<const D: usize> = fn(&SolidContext<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
@@ -253,7 +255,9 @@ fn weight<const D: usize>(
 fn initial_stress<const D: usize>(
     context: &SolidContext<'_, D>,
 ) -> Result<Vec<Box<dyn Effect>>, EffectError> {
-    let Some(stress) = &context.mechanics.initial_stress else {
+    // What is damaged carries less of it: there it is part of the law (Eq. 27).
+    let intact = context.plan.damage.is_none();
+    let Some(stress) = context.mechanics.initial_stress.as_ref().filter(|_| intact) else {
         return Ok(Vec::new());
     };
     let stress: Matrix<D> = tensor(stress);

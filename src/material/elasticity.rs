@@ -1,5 +1,23 @@
 //! Isotropic linear elasticity.
 
+use crate::geometry::Matrix;
+
+/// Lamé's constants of one point, Pa.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lame {
+    /// First constant λ.
+    pub lambda: f64,
+    /// Shear modulus μ.
+    pub mu: f64,
+}
+
+impl Lame {
+    /// Stress λ tr(ε) I + 2 μ ε of a strain (plane strain in 2-D), Pa.
+    pub fn stress<const D: usize>(self, strain: &Matrix<D>) -> Matrix<D> {
+        strain * (2.0 * self.mu) + Matrix::identity() * (self.lambda * strain.trace())
+    }
+}
+
 /// Elastic constants of the drained rock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elasticity {

@@ -1,9 +1,12 @@
-//! What points are made of: elasticity, storage and permeability.
+//! What points are made of: elasticity, damage, storage and permeability.
 
+mod damage;
+mod eigen;
 mod elasticity;
 mod random_field;
 mod storage;
 
-pub use elasticity::Elasticity;
+pub use damage::{DamageLaw, EnergySplit, PointAnswer, Softening, Tangent};
+pub use elasticity::{Elasticity, Lame};
 pub use random_field::log_normal;
 pub use storage::storage_coefficient;

@@ -5,7 +5,7 @@ use crate::geometry::generate::{blocks, graded, jitter, lattice};
 use crate::geometry::{
     Cloud, Crack, Cutter, Domain, Families, Vector, horizons, horizons_in_parts,
 };
-use crate::plan::{CrackPlan, GeometryPlan, Plan, PointTable};
+use crate::plan::{CrackKind, CrackPlan, GeometryPlan, Plan, PointTable};
 use perifrac_solvers::{Coordinates, Partition, Team};
 use std::sync::Arc;
 
@@ -81,7 +81,7 @@ pub fn build_families<const D: usize>(
     cut(plan, cloud, families)
 }
 
-/// The plan's cracks.
+/// The plan's cracks as chains; those in space have no segments.
 pub fn cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
     let chain = |crack: &CrackPlan| Crack {
         points: crack.points().iter().map(|x| vector(x)).collect(),
@@ -95,10 +95,17 @@ fn cut<const D: usize>(
     cloud: &Cloud<D>,
     families: Families<D>,
 ) -> Result<Families<D>, ModelError> {
-    if plan.cracks.is_empty() {
+    let is_cut = |crack: &CrackPlan| crack.kind == CrackKind::Cut;
+    if !plan.cracks.iter().any(is_cut) {
         return Ok(families);
     }
-    let cutter = Cutter::new(&cracks(plan), &families.images);
+    let mut cracks = cracks(plan);
+    for (crack, own) in cracks.iter_mut().zip(&plan.cracks) {
+        if !is_cut(own) {
+            crack.points.clear();
+        }
+    }
+    let cutter = Cutter::new(&cracks, &families.images);
     for (point, x) in cloud.position.iter().enumerate() {
         if let Some(crack) = cutter.first(x, x) {
             return Err(ModelError::CrackThroughPoint {

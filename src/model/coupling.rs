@@ -113,14 +113,28 @@ impl<const D: usize> Model<D> {
         pressure: &[f64],
         displacement: &[f64],
         walls: &[f64],
+        history: &[f64],
     ) -> (Vec<f64>, f64) {
         let Some(solid) = &self.solid else {
             return (Vec::new(), 0.0);
         };
         let External { loads, push, scale } = self.external(solid, time, pressure, walls);
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
-        solid.subtract_internal(displacement, walls, &mut force);
+        solid.subtract_force(displacement, walls, history, &mut force);
         (force, scale)
+    }
+
+    /// Forces on the solid from loads at `time` and from the pressure, shape `(n·D,)`, N.
+    pub fn push(&self, time: f64, pressure: &[f64]) -> Vec<f64> {
+        let Some(solid) = &self.solid else {
+            return Vec::new();
+        };
+        let mut force = vec![0.0; solid.unknowns()];
+        solid.loads(time, &mut force);
+        if let Some(coupling) = &self.coupling {
+            coupling.add_push(solid, pressure, &mut force);
+        }
+        force
     }
 
     /// Loads at `time` and the push of the pressure.
@@ -156,9 +170,24 @@ impl<const D: usize> Model<D> {
         pressure: &[f64],
         displacement: &[f64],
         walls: &[f64],
+        history: &[f64],
     ) -> Option<Audit> {
         let solid = self.solid.as_ref()?;
         let External { loads, push, scale } = self.external(solid, time, pressure, walls);
+        if let Some(answer) = solid.answer(displacement, walls, history) {
+            let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
+            solid.subtract_answer(&answer, &mut force);
+            let left: f64 = force.iter().map(|f| f.abs()).sum();
+            let held: f64 = solid.wall_forces(&answer).iter().map(|f| f.abs()).sum();
+            let energy = answer.energy(&answer.damage) + self.stored_energy(pressure);
+            let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
+            let scale = size(&loads) + size(&push) + held;
+            return Some(Audit {
+                momentum: if scale > 0.0 { left / scale } else { 0.0 },
+                energy,
+                potential: energy - dot(&loads, displacement),
+            });
+        }
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         let outer = dot(&force, displacement);
         solid.subtract_internal(displacement, walls, &mut force);

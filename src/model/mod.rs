@@ -1,7 +1,9 @@
 //! The model: a plan made concrete on a cloud. Pattern once, values as often as needed.
 
+mod bands;
 mod cloud;
 mod coupling;
+mod damage;
 mod diffusion;
 mod error;
 mod flow;
@@ -15,13 +17,14 @@ use std::sync::Arc;
 
 use perifrac_solvers::Team;
 
+pub use bands::Bands;
 pub use cloud::{build_cloud, build_families};
 pub use coupling::{Audit, Coupling};
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
 pub use places::{Faces, Places};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
-pub use solid::{Drive, MovingWall, SolidModel};
+pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
 use crate::geometry::{Cloud, Families, Share, Vector};
 use crate::plan::{Plan, manufactured};
@@ -44,6 +47,8 @@ pub struct Model<const D: usize> {
     pub coupling: Option<Coupling>,
     /// Where values between points are wanted.
     pub places: Places<D>,
+    /// Points of cracks that are damaged from the start.
+    pub bands: Bands,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -76,13 +81,14 @@ impl<const D: usize> Model<D> {
             build_families(plan, &cloud, team, &places.points())
         })?;
         let points = properties::assign(plan, &cloud, table)?;
+        let bands = Bands::find(plan, &cloud)?;
         let mut warnings = Vec::new();
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
         let solid = build_solid(
             plan,
             &cloud,
             &families,
-            &points,
+            (&points, &bands),
             coupling.as_ref(),
             &mut warnings,
             timers,
@@ -104,6 +110,7 @@ impl<const D: usize> Model<D> {
             solid,
             coupling,
             places,
+            bands,
             warnings,
         })
     }
@@ -115,6 +122,11 @@ impl<const D: usize> Model<D> {
             (None, Some(solid)) => solid.share(),
             (None, None) => &Share::WHOLE,
         }
+    }
+
+    /// Mean pressure where fluid is pumped into a crack, Pa.
+    pub fn injection_pressure(&self, _crack: usize, _pressure: &[f64]) -> Option<f64> {
+        None
     }
 
     /// Times at which a load's slope jumps, sorted.
@@ -163,7 +175,7 @@ fn build_solid<const D: usize>(
     plan: &Plan,
     cloud: &Arc<Cloud<D>>,
     families: &Families<D>,
-    points: &properties::Properties,
+    (points, bands): (&properties::Properties, &Bands),
     coupling: Option<&Coupling>,
     warnings: &mut Vec<String>,
     timers: &mut Timers,
@@ -176,7 +188,7 @@ fn build_solid<const D: usize>(
     })?;
     let divergence = coupling.map(|coupling| &coupling.divergence);
     let solid = timers.time("assembly", || {
-        solid.assemble(plan, mechanics, points, divergence)
+        solid.assemble(plan, mechanics, points, bands, divergence)
     })?;
     Ok(Some(solid))
 }

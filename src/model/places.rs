@@ -3,8 +3,8 @@
 use super::ModelError;
 use super::cloud::cracks;
 use crate::effects::vector;
-use crate::geometry::{Cloud, Crack, Locator, OnCrack, Place, Vector};
-use crate::plan::{CrackPlan, Plan, Profile};
+use crate::geometry::{Cloud, Crack, Locator, OnCrack, Place, Vector, horizons};
+use crate::plan::{CrackKind, CrackPlan, Plan, Profile};
 
 /// Places along each crack at which it is measured.
 const ALONG: usize = 50;
@@ -30,10 +30,16 @@ pub struct Faces<const D: usize> {
 }
 
 impl<const D: usize> Faces<D> {
-    fn find(locator: &Locator<'_, D>, on: OnCrack<D>) -> Option<Self> {
+    /// Faces are next to a cut; a damaged band of half width `band` ends at them.
+    fn find(locator: &Locator<'_, D>, on: OnCrack<D>, band: f64) -> Option<Self> {
         let side = |sign: f64| {
-            let off = |x: &Vector<D>| (x - on.at).dot(&on.normal) * sign > 0.0;
-            locator.place_among(on.at, off)
+            let off = |x: &Vector<D>| {
+                let beyond = (x - on.at).dot(&on.normal) * sign;
+                beyond > 0.0 && beyond >= band
+            };
+            let mut place = locator.place_among(on.at, off)?;
+            place.at += on.normal * (sign * band);
+            Some(place)
         };
         let sides = [side(1.0)?, side(-1.0)?];
         Some(Faces { on, sides })
@@ -60,10 +66,21 @@ impl<const D: usize> Places<D> {
         let locator = Locator::new(cloud);
         let place = |at: &[f64]| locator.place(vector(at));
         let along = |profile: &Profile| profile.places().iter().map(|at| place(at)).collect();
+        let horizon = match plan.cracks.iter().any(|own| own.kind == CrackKind::Damaged) {
+            true => horizons(cloud, plan.horizon)?,
+            false => Vec::new(),
+        };
         let faces = |(crack, own): (Crack<D>, &CrackPlan)| -> Result<Vec<Faces<D>>, ModelError> {
             let middles = crack.middles(ALONG).into_iter();
             let face = |on: OnCrack<D>| {
-                Faces::find(&locator, on).ok_or_else(|| ModelError::CrackAtBoundary {
+                let band = match own.kind {
+                    CrackKind::Cut => 0.0,
+                    CrackKind::Damaged => {
+                        let nearest = locator.place(on.at).nearest;
+                        nearest.iter().map(|i| horizon[*i]).fold(0.0, f64::max)
+                    }
+                };
+                Faces::find(&locator, on, band).ok_or_else(|| ModelError::CrackAtBoundary {
                     name: own.name.clone(),
                     at: on.at.iter().copied().collect(),
                 })

@@ -21,6 +21,8 @@ pub struct Properties {
     pub biot_coefficient: Vec<f64>,
     /// Bulk density, kg/m³; empty where no effect needs it.
     pub density: Vec<f64>,
+    /// Fracture energy G_c, J/m²; empty without damage.
+    pub fracture_energy: Vec<f64>,
 }
 
 const NONE: u16 = u16::MAX;
@@ -75,6 +77,13 @@ pub fn assign<const D: usize>(
             |m| m.biot_coefficient,
         )?,
         density: per_point(plan, &material, heavy, "density", |m| m.density)?,
+        fracture_energy: per_point(
+            plan,
+            &material,
+            plan.damage.is_some(),
+            "fracture_energy",
+            |m| m.fracture_energy,
+        )?,
         material,
     })
 }

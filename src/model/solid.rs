@@ -16,11 +16,14 @@ use crate::assembly::{
 use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{Cloud, Families, Matrix, Place, Share, Side, Vector};
 use crate::load::Load;
-use crate::operators::{Divergence, Elastic, Extension, Neighbourhood, Parity, point_value};
+use crate::operators::{
+    Answer, Damage, Divergence, Elastic, Extension, Neighbourhood, Parity, point_value,
+};
 use crate::plan::{MechanicsPlan, Plan, Support};
 
-use super::ModelError;
+use super::bands::Bands;
 use super::properties::Properties;
+use super::ModelError;
 
 /// Operators, loads and walls of the mechanical problem.
 pub struct SolidModel<const D: usize> {
@@ -42,6 +45,8 @@ pub struct SolidModel<const D: usize> {
     pub consistency: Option<Consistency>,
     /// How often K was filled.
     pub refills: u64,
+    /// Damage, if the plan names it; K is then that of intact rock.
+    pub damage: Option<Damage<D>>,
 }
 
 /// A displacement component of a plane side that moves.
@@ -53,6 +58,8 @@ pub struct MovingWall {
     pub component: usize,
     /// What moves it.
     pub drive: Drive,
+    /// Bonds that reach across the wall, and by how much its motion stretches them, sparse.
+    pub bonds: Vec<(u32, f64)>,
     /// Force on every unknown per metre of the wall, sparse: column r of the stiffness, N/m.
     pub response: Vec<(u32, f64)>,
     /// Pore volume gained by every point per metre of the wall, sparse, m^(D−1).
@@ -120,6 +127,7 @@ impl<const D: usize> SolidModel<D> {
             mass,
             consistency,
             refills: 0,
+            damage: None,
         })
     }
 
@@ -130,8 +138,10 @@ impl<const D: usize> SolidModel<D> {
         plan: &Plan,
         mechanics: &MechanicsPlan,
         points: &Properties,
+        bands: &Bands,
         coupling: Option<&Divergence>,
     ) -> Result<Self, ModelError> {
+        self.damage = super::damage::build(plan, mechanics, &self.elastic, points, bands);
         self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         self.stiffness = self.points.expanded(D)?.into_matrix();
         self.refill();
@@ -140,6 +150,7 @@ impl<const D: usize> SolidModel<D> {
             mechanics,
             elastic: &self.elastic,
             density: &points.density,
+            bands: &bands.points,
         })?;
         self.build_walls(mechanics, coupling);
         Ok(self)
@@ -185,6 +196,11 @@ impl<const D: usize> SolidModel<D> {
                 side: wall.0,
                 component: wall.1,
                 drive: wall.2.clone(),
+                bonds: (0..families.len())
+                    .flat_map(|point| families.family(point))
+                    .map(|bond| (bond as u32, offset(wall, bond)[wall.1]))
+                    .filter(|(_, offset)| *offset != 0.0)
+                    .collect(),
                 response: sparse(elastic.gather(forces)),
                 content: coupling.map_or_else(Vec::new, |coupling| {
                     let of = |i| coupling.of_differences(elastic, i, |bond| offset(wall, bond));
@@ -315,6 +331,48 @@ impl<const D: usize> SolidModel<D> {
         self.walls.iter().zip(walls).map(work).sum()
     }
 
+    /// Answer of a solid with damage to a displacement after `history`, J/m³; `None` without damage.
+    pub fn answer(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        history: &[f64],
+    ) -> Option<Answer<D>> {
+        let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
+        let damage = self.damage.as_ref()?;
+        Some(damage.answer(&self.elastic, history, difference))
+    }
+
+    /// Takes the internal force off `force`, shape `(n·D,)`, N, with damage after `history` if there is
+    /// any.
+    pub fn subtract_force(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        history: &[f64],
+        force: &mut [f64],
+    ) {
+        match self.answer(displacement, walls, history) {
+            Some(answer) => self.subtract_answer(&answer, force),
+            None => self.subtract_internal(displacement, walls, force),
+        }
+    }
+
+    /// Takes the internal force of an answer off `force`, shape `(n·D,)`, N.
+    pub fn subtract_answer(&self, answer: &Answer<D>, force: &mut [f64]) {
+        let internal = self.elastic.gather(&answer.forces);
+        force.iter_mut().zip(&internal).for_each(|(f, own)| *f -= own);
+    }
+
+    /// Force that holds each wall where it is, N, by an answer.
+    pub fn wall_forces(&self, answer: &Answer<D>) -> Vec<f64> {
+        let force = |wall: &MovingWall| -> f64 {
+            let bonds = wall.bonds.iter();
+            bonds.map(|&(bond, offset)| offset * answer.forces[bond as usize][wall.component]).sum()
+        };
+        self.walls.iter().map(force).collect()
+    }
+
     /// Bond difference with the walls where they are, m.
     pub fn difference(
         &self,
@@ -395,6 +453,7 @@ impl<const D: usize> SolidModel<D> {
                 self.points.bytes() + matrix_bytes(&self.stiffness),
             ),
             ("solid-mass", 8 * self.mass.len()),
+            ("damage", self.damage.as_ref().map_or(0, Damage::bytes)),
             ("solid-effects", effects + walls),
         ]
     }
@@ -407,6 +466,15 @@ fn parity(support: &Support, side: Side, component: usize) -> Parity {
         Support::Roller(_) | Support::Plate(_) if component != side.axis => Parity::Even,
         Support::Roller(_) | Support::Plate(_) | Support::Prescribed(_) => Parity::Odd,
     }
+}
+
+/// Sides and components whose displacement is prescribed and not always zero, in the order of
+/// [`SolidModel::walls`].
+pub fn driven_walls<const D: usize>(mechanics: &MechanicsPlan) -> Vec<(Side, usize)> {
+    Side::all(D)
+        .flat_map(|side| moving(&mechanics.sides[side.index()], side))
+        .map(|(side, component, _)| (side, component))
+        .collect()
 }
 
 /// The walls of a side that move.

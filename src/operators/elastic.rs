@@ -14,22 +14,7 @@ use rayon::prelude::*;
 
 use super::{Extension, Gradient, Neighbourhood};
 use crate::geometry::{Matrix, Vector};
-
-/// Lamé's constants of one point, Pa.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lame {
-    /// First constant λ.
-    pub lambda: f64,
-    /// Shear modulus μ.
-    pub mu: f64,
-}
-
-impl Lame {
-    /// Stress λ tr(ε) I + 2 μ ε of a strain (plane strain in 2-D), Pa.
-    pub fn stress<const D: usize>(self, strain: &Matrix<D>) -> Matrix<D> {
-        strain * (2.0 * self.mu) + Matrix::identity() * (self.lambda * strain.trace())
-    }
-}
+use crate::material::Lame;
 
 /// Elastic operator over one neighbourhood; every displacement component has its own continuation.
 #[derive(Debug, Clone)]
@@ -116,32 +101,57 @@ impl<const D: usize> Elastic<D> {
         &self,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Vec<Vector<D>> {
-        (0..self.points())
-            .into_par_iter()
-            .flat_map_iter(|owner| self.family_forces(owner, |bond| difference(owner, bond)))
-            .collect()
+        let answer = |owner: usize, strain: &Matrix<D>| (self.lame[owner].stress(strain), 1.0);
+        self.bond_forces_of(difference, answer)
     }
 
-    fn family_forces(
+    /// As [`Elastic::bond_forces`] with `answer(owner, strain)`, the stress in Pa and the factor of the
+    /// hourglass stiffness.
+    pub fn bond_forces_of(
+        &self,
+        difference: impl Fn(usize, usize) -> Vector<D> + Sync,
+        answer: impl Fn(usize, &Matrix<D>) -> (Matrix<D>, f64) + Sync,
+    ) -> Vec<Vector<D>> {
+        let forces = |owner: usize| {
+            let difference = |bond: usize| difference(owner, bond);
+            self.family_answer(owner, difference, |strain| answer(owner, strain)).0
+        };
+        (0..self.points()).into_par_iter().flat_map_iter(forces).collect()
+    }
+
+    /// Forces on the ends of the bonds of one family, N, and the hourglass energy without its factor, J.
+    pub(super) fn family_answer(
         &self,
         owner: usize,
         difference: impl Fn(usize) -> Vector<D>,
-    ) -> Vec<Vector<D>> {
+        answer: impl FnOnce(&Matrix<D>) -> (Matrix<D>, f64),
+    ) -> (Vec<Vector<D>>, f64) {
         let around = &self.around;
         let family = around.families.family(owner);
-        let slope = self.gradient_of(owner, &difference);
-        let strain = (slope + slope.transpose()) * 0.5;
-        let stress = self.lame[owner].stress(&strain) * around.cloud.volume[owner];
-        let mut plain = Matrix::zeros();
-        for bond in family.clone() {
-            plain += difference(bond) * self.plain.weight[bond].transpose();
+        let differences: Vec<Vector<D>> = family.clone().map(difference).collect();
+        let (mut slope, mut plain) = (Matrix::zeros(), Matrix::zeros());
+        for (bond, own) in family.clone().zip(&differences) {
+            slope += own * self.gradient.weight[bond].transpose();
         }
-        let force = |bond: usize| {
-            let rest = difference(bond) - plain * around.bond_vector(owner, bond);
-            stress * self.gradient.weight[bond]
-                + rest * (self.hourglass[owner] * around.measure[bond])
+        match Arc::ptr_eq(&self.gradient, &self.plain) {
+            true => plain = slope,
+            false => {
+                for (bond, own) in family.clone().zip(&differences) {
+                    plain += own * self.plain.weight[bond].transpose();
+                }
+            }
+        }
+        let (stress, factor) = answer(&((slope + slope.transpose()) * 0.5));
+        let stress = stress * around.cloud.volume[owner];
+        let hourglass = self.hourglass[owner] * factor;
+        let mut rough = 0.0;
+        let force = |(bond, own): (usize, &Vector<D>)| {
+            let rest = own - plain * around.bond_vector(owner, bond);
+            rough += 0.5 * self.hourglass[owner] * around.measure[bond] * rest.norm_squared();
+            stress * self.gradient.weight[bond] + rest * (hourglass * around.measure[bond])
         };
-        family.map(force).collect()
+        let forces = family.zip(&differences).map(force).collect();
+        (forces, rough)
     }
 
     /// Sums bond forces to the derivative of the energy at every point, shape `(n·D,)`, N.

@@ -11,6 +11,7 @@
 
 mod bond_conductance;
 mod correspondence;
+mod damage;
 mod divergence;
 mod elastic;
 mod extension;
@@ -21,13 +22,16 @@ mod neighbourhood;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
+pub use damage::{Answer, Damage};
 pub use divergence::Divergence;
-pub use elastic::{Elastic, Lame, point_value};
+pub use elastic::{Elastic, point_value};
 pub use extension::{Extension, Parity};
 pub use faces::face_areas;
 pub use gradient::{Gradient, area_vectors, column_sums, family_gradient};
 pub use hourglass::Hourglass;
 pub use neighbourhood::Neighbourhood;
+
+pub use crate::material::Lame;
 
 use crate::geometry::{Matrix, Vector};
 

@@ -44,6 +44,11 @@ impl Plan {
         self.demand(steps * passes)
     }
 
+    /// Demand on the solver of a matrix that changes with damage, in every iteration.
+    pub fn fracture_demand(&self) -> Demand {
+        self.demand(1)
+    }
+
     fn fixed_steps(&self) -> usize {
         match self.time.step {
             StepRule::Fixed(dt) => ((self.time.end / dt).ceil() as usize).max(1),

@@ -31,6 +31,12 @@ pub struct Counters {
     pub relaxation_iterations: u64,
     /// Single steps of the solid.
     pub single_steps: u64,
+    /// Newton tangents of a breaking solid that were given up for positive ones.
+    pub fallbacks: u64,
+    /// Evaluations of the forces of a breaking solid along search directions.
+    pub searches: u64,
+    /// Families whose stiffness was filled anew because damage changed it.
+    pub refilled_families: u64,
     /// Evaluations per effect.
     pub evaluations: BTreeMap<&'static str, u64>,
     /// Bytes per field of the state.

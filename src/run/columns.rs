@@ -7,6 +7,7 @@ use crate::report::Balance;
 use crate::schemes::State;
 
 use super::finish::{extremes, largest};
+use super::fracture::{self, Fractures};
 
 /// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -73,6 +74,9 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
         }
         columns.extend(plates::<D>(mechanics).map(|side| format!("plate_{side}_m")));
         columns.extend(plan.cracks.iter().map(|crack| opening_of(&crack.name)));
+        if plan.damage.is_some() {
+            columns.extend(fracture::names::<D>(plan, mechanics));
+        }
         columns.extend(["energy_J", "potential_J", "momentum_balance"].map(str::to_owned));
     }
     if plan.flow.is_some() {
@@ -94,6 +98,7 @@ pub fn row<const D: usize>(
     state: &State,
     (dt, iterations): (f64, usize),
     balance: &Balance,
+    fractures: Option<&Fractures>,
 ) -> Vec<f64> {
     let mut row = vec![state.time, dt, iterations as f64];
     let places = &model.places.probes;
@@ -125,6 +130,7 @@ pub fn row<const D: usize>(
             let jumps = openings(model, state, crack);
             row.push(jumps.iter().map(|jump| jump[0]).fold(0.0, f64::max));
         }
+        row.extend(fractures.map(fracture::row).unwrap_or_default());
         let own = [balance.energy, balance.potential, balance.momentum];
         row.extend(own.map(|value| value.unwrap_or(0.0)));
     }

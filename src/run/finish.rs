@@ -66,6 +66,7 @@ impl<const D: usize> Run<'_, D> {
             pressure_range: flow.map(|_| extremes(&self.state.pressure)),
             displacement_max: solid.map(|_| largest::<D>(&self.state.displacement)),
             coupling: self.coupling(&counters),
+            results: self.plan.damage.map(|_| self.tracker.results.clone()),
             balance: self.balance.clone(),
             consistency: flow
                 .and_then(|flow| flow.consistency)
@@ -307,6 +308,8 @@ impl<const D: usize> Run<'_, D> {
         for effect in flow.chain(solid) {
             *evaluations.entry(effect.effect().name()).or_insert(0) += effect.evaluations();
         }
+        let damage = model.solid.as_ref().and_then(|solid| solid.damage.as_ref());
+        evaluations.extend(damage.map(|damage| ("damage", damage.evaluations())));
         Counters {
             steps: self.steps,
             rejected: self.rejected,
@@ -319,6 +322,9 @@ impl<const D: usize> Run<'_, D> {
             coupling_iterations: scheme.coupling_iterations,
             relaxation_iterations: scheme.relaxation_iterations,
             single_steps: scheme.single_steps,
+            fallbacks: scheme.fallbacks,
+            searches: scheme.searches,
+            refilled_families: scheme.refilled_families,
             evaluations,
             field_bytes: self.state.fields().into_iter().collect(),
             bytes: model.bytes().into_iter().collect(),

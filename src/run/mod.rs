@@ -3,6 +3,7 @@
 mod columns;
 mod error;
 mod finish;
+mod fracture;
 mod stops;
 mod summary;
 mod time_loop;
@@ -10,6 +11,7 @@ mod writer;
 
 pub use columns::openings;
 pub use error::RunError;
+pub use fracture::Results;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};
 pub use writer::Writer;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::fracture::Results;
 use crate::reference::ErrorNorms;
 use crate::report::{Balance, Counters, Timers};
 use crate::schemes::StepLimit;
@@ -62,6 +63,9 @@ pub struct Summary {
     /// How strongly flow and mechanics feel each other, if both are there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<CouplingReport>,
+    /// What broke, with damage.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub results: Option<Results>,
     /// Mass balance.
     pub balance: Balance,
     /// What the divergence-consistent gradient achieved, if it was used.

@@ -7,6 +7,7 @@ use std::time::Instant;
 use perifrac_solvers::Team;
 
 use super::finish::extremes;
+use super::fracture::{Fractures, Tracker};
 use super::stops::{Stops, clamp};
 use super::{RunError, Summary, TimedErrors, Writer};
 use crate::model::Model;
@@ -14,7 +15,7 @@ use crate::output::OutputError;
 use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode};
 use crate::report::{Balance, Timers};
 use crate::schemes::{
-    self, Assembled, FlowStage, Implicit, Scheme, SchemeCounters, SolidSolver, State, StepControl,
+    self, Assembled, FlowStage, Fracture, Implicit, Scheme, SchemeCounters, SolidSolver, State, StepControl,
     StepError, StepReport, solve_steady,
 };
 
@@ -99,6 +100,7 @@ pub fn run_with<const D: usize>(
         rejected: 0,
         last_output: None,
         timed_errors: Vec::new(),
+        tracker: Tracker::new(plan),
     };
     run.start_volume = run.stored();
     let effort = match plan.time.mode {
@@ -133,6 +135,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) rejected: u64,
     pub(super) last_output: Option<f64>,
     pub(super) timed_errors: Vec<TimedErrors>,
+    pub(super) tracker: Tracker,
 }
 
 impl<const D: usize> Run<'_, D> {
@@ -170,12 +173,22 @@ impl<const D: usize> Run<'_, D> {
             steady = (report, counters, Some(chosen));
         }
         if let Some(solid) = &self.model.solid {
-            let mut mechanics = Assembled::new(&self.plan.solid_demand(), solid)?;
+            let mut mechanics: Box<dyn SolidSolver<D>> = match self.plan.damage {
+                Some(damage) => {
+                    let demand = self.plan.fracture_demand();
+                    Box::new(Fracture::new(&demand, &self.model, damage)?)
+                }
+                None => Box::new(Assembled::new(&self.plan.solid_demand(), solid)?),
+            };
             steady.0.iterations += mechanics.equilibrate(&self.model, &mut self.state)?;
-            let own = SolidSolver::<D>::counters(&mechanics);
-            steady.1.mechanics = own.mechanics;
-            steady.1.newton_iterations = own.newton_iterations;
-            steady.2 = steady.2.or_else(|| SolidSolver::<D>::solver(&mechanics));
+            schemes::advance(&self.model, &mut self.state);
+            let own = mechanics.counters();
+            steady.1 = SchemeCounters {
+                solver: std::mem::take(&mut steady.1.solver),
+                products: steady.1.products,
+                ..own
+            };
+            steady.2 = steady.2.or_else(|| mechanics.solver());
         }
         Ok(steady)
     }
@@ -219,6 +232,7 @@ impl<const D: usize> Run<'_, D> {
             let relative = report
                 .error
                 .map(|error| if range > 0.0 { error / range } else { 0.0 });
+            let relative = self.judged(relative, &report, dt);
             if !control.judge(relative, dt) {
                 self.rejected += 1;
                 let smallest = TINIEST * plan.time.end + f64::EPSILON * self.state.time;
@@ -240,6 +254,16 @@ impl<const D: usize> Run<'_, D> {
             self.accepted(dt, &report, stop.output && reached)?;
         }
         Ok((scheme.counters(), scheme.solver(), scheme.limit().cloned()))
+    }
+
+    /// Error of a step with the growth of damage taken in: what breaks in the shortest step breaks.
+    fn judged(&self, relative: Option<f64>, report: &StepReport, dt: f64) -> Option<f64> {
+        let (Some(damage), Some(growth)) = (&self.plan.damage, report.growth) else {
+            return relative;
+        };
+        let share = growth / damage.largest_increment;
+        let share = if dt <= damage.shortest_step { share.min(1.0) } else { share };
+        Some(relative.unwrap_or(0.0).max(share * self.plan.time.tolerance))
     }
 
     fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<(), RunError> {
@@ -372,6 +396,10 @@ impl<const D: usize> Run<'_, D> {
             self.balance.close(self.stored() - self.start_volume);
         }
         self.measure_energy();
+        if self.plan.damage.is_some() {
+            let now = Fractures::of(self.plan, &self.model, &self.state);
+            self.tracker.follow(D, self.state.time, now);
+        }
         let Some(writer) = &mut self.writer else {
             return Ok(());
         };
@@ -382,6 +410,7 @@ impl<const D: usize> Run<'_, D> {
             dt,
             report.iterations,
             &self.balance,
+            self.tracker.last.as_ref(),
         );
         self.agree(written)
     }
@@ -409,9 +438,10 @@ impl<const D: usize> Run<'_, D> {
             pressure,
             displacement,
             walls,
+            history,
             ..
         } = &self.state;
-        let audit = self.model.audit(*time, pressure, displacement, walls);
+        let audit = (self.model).audit(*time, pressure, displacement, walls, history);
         self.balance.momentum = audit.map(|audit| audit.momentum);
         self.balance.energy = audit.map(|audit| audit.energy);
         self.balance.potential = audit.map(|audit| audit.potential);

@@ -1,7 +1,7 @@
 //! Which scheme a plan gets: one place where names, effects and schemes meet.
 
 use super::{
-    Assembled, FlowStage, ForwardEuler, Implicit, ImplicitSystem, Monolithic, QuasiStatic,
+    Assembled, FlowStage, ForwardEuler, Fracture, Implicit, ImplicitSystem, Monolithic, QuasiStatic,
     Relaxation, Scheme, SolidSolver, Staggered, StepError, Verlet, coupling_of, flow_of, solid_of,
 };
 use crate::model::{Drive, Model};
@@ -69,7 +69,10 @@ fn solid_alone<const D: usize>(
         SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_) => {
             Box::new(Relaxation::new(plan.scheme_options))
         }
-        _ => Box::new(Assembled::new(&plan.solid_demand(), solid_of(model)?)?),
+        _ => match plan.damage {
+            Some(damage) => Box::new(Fracture::new(&plan.fracture_demand(), model, damage)?),
+            None => Box::new(Assembled::new(&plan.solid_demand(), solid_of(model)?)?),
+        },
     })
 }
 

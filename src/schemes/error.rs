@@ -56,6 +56,22 @@ pub enum StepError {
         /// Iterations done.
         iterations: usize,
     },
+    /// No equilibrium with damage was found.
+    #[error(
+        "no equilibrium with damage at t = {time:.6e} s: forces are out of balance by {residual:.1e} of \
+         all forces after {iterations} iterations of the run, wanted {tolerance:.1e}; raise \
+         damage.iterations or damage.tolerance, or take smaller steps"
+    )]
+    NotBroken {
+        /// Time, s.
+        time: f64,
+        /// Smallest forces out of balance over all forces.
+        residual: f64,
+        /// The one wanted.
+        tolerance: f64,
+        /// Iterations done.
+        iterations: usize,
+    },
     /// Relaxation ran out of iterations.
     #[error(
         "dynamic relaxation did not settle at t = {time:.6e} s: residual {residual:.1e} after \

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::solid::SolidSolver;
 use super::undrained::undrained;
+use super::quasi_static::growth;
 use super::{
     Scheme, SchemeCounters, State, StepError, StepLimit, StepReport, diffusion_limit, flow_of,
 };
@@ -279,6 +280,7 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         }
         self.check(model, old, trial, dt)?;
         Ok(StepReport {
+            growth: growth(model, old, trial),
             iterations,
             error: None,
             flows,

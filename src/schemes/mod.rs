@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Implicit { integrator, Stage }    Stage: FlowStage | Monolithic | Staggered { flow, SolidSolver }
-//! ForwardEuler { SolidSolver }      SolidSolver: Assembled (Newton) | Relaxation (ADR)
+//! ForwardEuler { SolidSolver }      SolidSolver: Assembled (Newton) | Fracture (damage) | Relaxation (ADR)
 //! Verlet { flow }                   QuasiStatic { SolidSolver }
 //! ```
 
@@ -10,6 +10,7 @@ mod build;
 mod control;
 mod error;
 mod explicit;
+mod fracture;
 mod implicit;
 mod layout;
 mod limits;
@@ -32,11 +33,12 @@ pub use build::build;
 pub use control::StepControl;
 pub use error::StepError;
 pub use explicit::ForwardEuler;
+pub use fracture::Fracture;
 pub use implicit::Implicit;
 pub use layout::BlockMatrix;
 pub use limits::{StepLimit, diffusion_limit};
 pub use monolithic::Monolithic;
-pub use quasi_static::QuasiStatic;
+pub use quasi_static::{QuasiStatic, advance, growth};
 pub use relaxation::Relaxation;
 pub use solid::{Assembled, SolidSolver};
 pub use stage::{FlowStage, Stage, Target};
@@ -58,6 +60,8 @@ pub struct StepReport {
     pub error: Option<f64>,
     /// Volumes moved during the step.
     pub flows: Flows,
+    /// Largest growth of damage at a point; `None` without damage.
+    pub growth: Option<f64>,
 }
 
 /// Work done by a scheme.
@@ -71,6 +75,12 @@ pub struct SchemeCounters {
     pub mechanics: Option<SolverCounters>,
     /// Newton iterations of mechanics.
     pub newton_iterations: u64,
+    /// Newton tangents that were given up for positive ones.
+    pub fallbacks: u64,
+    /// Evaluations of the force along search directions.
+    pub searches: u64,
+    /// Families whose stiffness was filled anew because damage changed it.
+    pub refilled_families: u64,
     /// Passes between flow and mechanics.
     pub coupling_iterations: u64,
     /// Largest contraction seen between the first two passes; only without acceleration.

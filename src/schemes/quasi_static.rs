@@ -20,6 +20,22 @@ impl<const D: usize> QuasiStatic<D> {
     }
 }
 
+/// Keeps what the state drove: damage does not heal.
+pub fn advance<const D: usize>(model: &Model<D>, state: &mut State) {
+    let Some(solid) = &model.solid else { return };
+    let answer = solid.answer(&state.displacement, &state.walls, &state.history);
+    if let (Some(damage), Some(answer)) = (&solid.damage, answer) {
+        damage.advance(&answer.driving, &mut state.history);
+    }
+}
+
+/// Largest growth of damage at a point between two states; `None` without damage.
+pub fn growth<const D: usize>(model: &Model<D>, old: &State, new: &State) -> Option<f64> {
+    let damage = model.solid.as_ref()?.damage.as_ref()?;
+    let (before, after) = (damage.of(&old.history), damage.of(&new.history));
+    Some(after.iter().zip(&before).map(|(a, b)| a - b).fold(0.0, f64::max))
+}
+
 impl<const D: usize> Scheme<D> for QuasiStatic<D> {
     fn name(&self) -> &str {
         &self.name
@@ -30,7 +46,9 @@ impl<const D: usize> Scheme<D> for QuasiStatic<D> {
     }
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
-        self.solid.equilibrate(model, state).map(|_| ())
+        self.solid.equilibrate(model, state)?;
+        advance(model, state);
+        Ok(())
     }
 
     fn step(
@@ -44,7 +62,9 @@ impl<const D: usize> Scheme<D> for QuasiStatic<D> {
         trial.time = old.time + dt;
         let iterations = self.solid.equilibrate(model, trial)?;
         trial.check()?;
+        advance(model, trial);
         Ok(StepReport {
+            growth: growth(model, old, trial),
             iterations,
             // Equilibrium has no error of the step: any step is as good as any other.
             error: Some(0.0),

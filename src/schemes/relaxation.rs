@@ -95,7 +95,8 @@ impl Relaxation {
     ) -> Vec<f64> {
         self.place_plates(solid, coupled, state);
         let mut force = external.to_vec();
-        solid.subtract_internal(&state.displacement, &state.walls, &mut force);
+        let history = &state.history;
+        solid.subtract_force(&state.displacement, &state.walls, history, &mut force);
         self.products += 1;
         force
     }

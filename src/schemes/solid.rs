@@ -167,6 +167,7 @@ impl<const D: usize> SolidSolver<D> for Assembled {
                 &state.pressure,
                 &state.displacement,
                 &state.walls,
+                &state.history,
             );
             let plates = self.plate_forces(model, solid, state);
             scale += solid.drive(state.time);

@@ -16,6 +16,9 @@ pub struct State {
     pub velocity: Vec<f64>,
     /// Displacement of the walls that move, m, shape `(walls,)`.
     pub walls: Vec<f64>,
+    /// Largest driving energy of damage at the end of the steps so far, J/m³, shape `(n,)`; only with
+    /// damage.
+    pub history: Vec<f64>,
 }
 
 /// Change of pressure, displacement and walls.
@@ -44,6 +47,9 @@ impl State {
             displacement: vec![0.0; unknowns],
             velocity: moving.map_or_else(Vec::new, |_| vec![0.0; unknowns]),
             walls: vec![0.0; solid.map_or(0, |solid| solid.walls.len())],
+            history: solid
+                .and_then(|solid| solid.damage.as_ref())
+                .map_or_else(Vec::new, |damage| damage.initial.clone()),
         }
     }
 
@@ -54,6 +60,7 @@ impl State {
             ("displacement", &self.displacement),
             ("velocity", &self.velocity),
             ("walls", &self.walls),
+            ("history", &self.history),
         ];
         let held = all.into_iter().filter(|(_, field)| !field.is_empty());
         held.map(|(name, field)| (name, 8 * field.len())).collect()

@@ -55,6 +55,7 @@ pub fn solve_steady<const D: usize>(
         iterations,
         error: None,
         flows,
+        growth: None,
     };
     let counters = SchemeCounters {
         solver: system.counters().clone(),

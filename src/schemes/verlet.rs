@@ -62,6 +62,7 @@ impl Verlet {
             &state.pressure,
             &state.displacement,
             &state.walls,
+            &state.history,
         );
         self.products += 1;
         for (point, mass) in solid.mass.iter().enumerate() {

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+pub use crate::material::EnergySplit;
+
 /// Variational damage (Eqs. 20 to 35).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamagePlan {
@@ -23,18 +25,6 @@ pub struct DamagePlan {
     pub largest_increment: f64,
     /// Shortest adaptive step, s: growth that goes on in it is accepted however fast it is.
     pub shortest_step: f64,
-}
-
-/// Splits of the elastic energy into what breaks the rock and what does not (Eq. 24).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EnergySplit {
-    /// Positive principal strains and expansion.
-    Spectral,
-    /// Expansion and all change of shape.
-    VolumetricDeviatoric,
-    /// All of it.
-    None,
 }
 
 /// Ways to equilibrium with damage.

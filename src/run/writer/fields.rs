@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::geometry::Matrix;
 use crate::model::{FlowModel, Model, SolidModel};
-use crate::operators::Lame;
+use crate::operators::{Damage, Lame};
 use crate::output::{Field, OutputError, VtuData, write_pvtu, write_vtu};
 use crate::plan::Plan;
 use crate::schemes::State;
@@ -143,21 +143,43 @@ fn of_solid<'a, const D: usize>(
     initial: &[f64; 6],
 ) -> Vec<Array<'a>> {
     let slopes = solid.slopes(&state.displacement, &state.walls);
-    let stress: Vec<f64> = slopes
-        .iter()
-        .zip(&solid.elastic.lame)
-        .flat_map(|(slope, lame)| stress(*lame, slope, initial))
-        .collect();
+    let stress: Vec<f64> = match &solid.damage {
+        None => slopes
+            .iter()
+            .zip(&solid.elastic.lame)
+            .flat_map(|(slope, lame)| stress(*lame, slope, initial))
+            .collect(),
+        Some(damage) => (slopes.iter().enumerate())
+            .flat_map(|(point, slope)| damaged_stress(solid, damage, state, point, slope))
+            .collect(),
+    };
     let volumetric: Vec<f64> = slopes.iter().map(Matrix::trace).collect();
     let mut arrays = vec![
         array("displacement", "m", D, &state.displacement[..]),
         array("effective_stress", "Pa", 6, stress),
         array("volumetric_strain", "", 1, volumetric),
     ];
+    if let Some(damage) = &solid.damage {
+        arrays.push(array("damage", "", 1, damage.of(&state.history)));
+    }
     if !state.velocity.is_empty() {
         arrays.push(array("solid_velocity", "m/s", D, &state.velocity[..]));
     }
     arrays
+}
+
+/// Effective stress in the plane or in space of a point with damage, Pa: xx, yy, zz, xy, yz, xz; zz is
+/// zero in a plane.
+fn damaged_stress<const D: usize>(
+    solid: &SolidModel<D>,
+    damage: &Damage<D>,
+    state: &State,
+    point: usize,
+    slope: &Matrix<D>,
+) -> [f64; 6] {
+    let strain = (slope + slope.transpose()) * 0.5;
+    let stress = damage.at(&solid.elastic, &state.history, point, &strain).stress;
+    TENSOR.map(|(a, b)| if a.max(b) < D { stress[(a, b)] } else { 0.0 })
 }
 
 /// Effective stress C:ε + σ⁰ of a displacement gradient, Pa: xx, yy, zz, xy, yz, xz.

@@ -7,10 +7,11 @@ use crate::output::{OutputError, write_atomically};
 const MARK: &str = "resolved.toml";
 
 /// Starts of the names of results.
-const RESULTS: [&str; 8] = [
+const RESULTS: [&str; 9] = [
     "fields",
     "pressure-",
     "displacement-",
+    "damage",
     "permeability",
     "history",
     "profile-",

@@ -10,6 +10,7 @@ mod profiles;
 use std::path::{Path, PathBuf};
 
 use super::Summary;
+use super::fracture::Fractures;
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd, Table, write_json};
 use crate::plan::Plan;
@@ -106,13 +107,14 @@ impl Writer {
         dt: f64,
         iterations: usize,
         balance: &Balance,
+        fractures: Option<&Fractures>,
     ) -> Result<(), OutputError> {
         let skipped = state.time < self.next_row && state.time < plan.time.end;
         if skipped || !self.leads {
             return Ok(());
         }
         self.next_row = state.time + plan.time.end / MOST_ROWS;
-        let row = super::columns::row(plan, model, state, (dt, iterations), balance);
+        let row = super::columns::row(plan, model, state, (dt, iterations), balance, fractures);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }

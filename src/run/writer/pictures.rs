@@ -30,10 +30,13 @@ pub fn of_output<const D: usize>(
     model: &Model<D>,
     state: &State,
 ) -> Result<(), OutputError> {
+    let damage = (model.solid.as_ref().and_then(|solid| solid.damage.as_ref()))
+        .map_or_else(Vec::new, |damage| damage.of(&state.history));
     let moved: Vec<f64> = state.displacement.chunks(D).map(length).collect();
     let all = [
         ("pressure", "Pa", &state.pressure),
         ("displacement", "m", &moved),
+        ("damage", "1", &damage),
     ];
     for (title, unit, values) in all.into_iter().filter(|(_, _, v)| !v.is_empty()) {
         let picture = Picture {

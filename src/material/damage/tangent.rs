@@ -1,0 +1,158 @@
+//! The derivative of the stress.
+
+use super::{DamageLaw, EnergySplit};
+use crate::geometry::{Matrix, Vector};
+use crate::material::Lame;
+use crate::material::eigen::eigen;
+
+/// Stiffness of one point: λ tr(X) I + Q (Θ ∘ QᵀXQ) Qᵀ + q (S:X) S for a strain X.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tangent<const D: usize> {
+    /// λ, Pa.
+    pub lambda: f64,
+    /// Q, the principal axes of the strain as columns.
+    pub basis: Matrix<D>,
+    /// Θ, Pa; symmetric.
+    pub shear: Matrix<D>,
+    /// q, 1/Pa, not positive: the damage that a strain brings.
+    pub softening: f64,
+    /// S = σ⁺ + σ⁰, Pa.
+    pub direction: Matrix<D>,
+}
+
+/// How much of the damage that a strain brings enters the tangent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Softening {
+    /// None: the tangent at fixed damage, positive.
+    Fixed,
+    /// As much as leaves the tangent of every point positive.
+    Bounded,
+    /// All: the exact tangent, which may be indefinite.
+    Exact,
+}
+
+/// Share of the positive part of a tangent that bounded softening may take.
+const BOUND: f64 = 0.9;
+
+impl<const D: usize> Tangent<D> {
+    /// Tangent of a point without damage.
+    pub fn elastic(lame: Lame) -> Self {
+        Tangent {
+            lambda: lame.lambda,
+            basis: Matrix::identity(),
+            shear: Matrix::repeat(2.0 * lame.mu),
+            softening: 0.0,
+            direction: Matrix::zeros(),
+        }
+    }
+
+    /// Stress that a symmetric strain adds, Pa.
+    pub fn stress(&self, strain: &Matrix<D>) -> Matrix<D> {
+        let inner = (self.basis.transpose() * strain * self.basis).component_mul(&self.shear);
+        Matrix::identity() * (self.lambda * strain.trace())
+            + self.basis * inner * self.basis.transpose()
+            + self.direction * (self.softening * self.direction.dot(strain))
+    }
+
+    /// Stresses of the strains that a displacement along each axis causes where `weight` (1/m) is its
+    /// weight in the gradient, Pa/m.
+    pub fn stresses(&self, weight: &Vector<D>, scale: f64) -> [Matrix<D>; D] {
+        std::array::from_fn(|axis| {
+            let mut strain = Matrix::zeros();
+            for k in 0..D {
+                strain[(axis, k)] += 0.5 * scale * weight[k];
+                strain[(k, axis)] += 0.5 * scale * weight[k];
+            }
+            self.stress(&strain)
+        })
+    }
+
+    /// Largest difference of the moduli to those of another tangent, over the largest modulus of
+    /// `lame`.
+    pub fn distance(&self, other: &Self, lame: Lame) -> f64 {
+        let own = self.basis * self.shear.component_mul(&Matrix::identity()) * self.basis.transpose();
+        let its =
+            other.basis * other.shear.component_mul(&Matrix::identity()) * other.basis.transpose();
+        let soft = |t: &Self| t.direction * t.direction.norm() * t.softening;
+        let moved = (self.lambda - other.lambda).abs()
+            + (own - its).amax()
+            + (self.shear - other.shear).amax()
+            + (soft(self) - soft(other)).amax();
+        moved / (lame.lambda + 2.0 * lame.mu)
+    }
+}
+
+impl<const D: usize> DamageLaw<D> {
+    /// Tangent at `strain` of a point that has seen `history`.
+    pub fn tangent(
+        &self,
+        lame: Lame,
+        toughness: f64,
+        history: f64,
+        strain: &Matrix<D>,
+        softening: Softening,
+    ) -> Tangent<D> {
+        let parts = self.parts(lame, strain);
+        let damage = self.damage(history.max(parts.driving), toughness);
+        let left = self.degradation(damage);
+        let mut tangent = match self.split {
+            EnergySplit::Spectral => spectral(lame, strain, left),
+            EnergySplit::VolumetricDeviatoric => volumetric(lame, strain, left),
+            EnergySplit::None => Tangent::elastic(Lame {
+                lambda: left * lame.lambda,
+                mu: left * lame.mu,
+            }),
+        };
+        if parts.driving > history && softening != Softening::Fixed {
+            let kept = 1.0 - self.residual_stiffness;
+            let exact = 2.0 * kept * kept * (1.0 - damage).powi(3) / toughness;
+            // S:C⁻¹:S is at most this, C being the positive part of the tangent without its factor.
+            let size = parts.breaking.norm_squared() / (2.0 * lame.mu);
+            let pure = self.prestress.norm_squared() <= 0.0;
+            let size = if pure { 2.0 * parts.driving } else { size };
+            let bound = BOUND * left / size.max(f64::MIN_POSITIVE);
+            tangent.direction = parts.breaking;
+            tangent.softening = match softening {
+                Softening::Bounded => -exact.min(bound),
+                _ => -exact,
+            };
+        }
+        tangent
+    }
+}
+
+/// Differences of principal strains, relative to the largest one, that count as none.
+const EQUAL: f64 = 1e-10;
+
+fn spectral<const D: usize>(lame: Lame, strain: &Matrix<D>, left: f64) -> Tangent<D> {
+    let (values, basis) = eigen(strain);
+    let positive = |value: f64| if value > 0.0 { 1.0 } else { 0.0 };
+    let scale = values.amax();
+    let share = |a: usize, b: usize| {
+        let gap = values[a] - values[b];
+        match gap.abs() > EQUAL * scale {
+            true => (values[a].max(0.0) - values[b].max(0.0)) / gap,
+            false => 0.5 * (positive(values[a]) + positive(values[b])),
+        }
+    };
+    let degraded = |open: f64| left * open + (1.0 - open);
+    Tangent {
+        lambda: lame.lambda * degraded(positive(strain.trace())),
+        basis,
+        shear: Matrix::from_fn(|a, b| 2.0 * lame.mu * degraded(share(a, b))),
+        softening: 0.0,
+        direction: Matrix::zeros(),
+    }
+}
+
+fn volumetric<const D: usize>(lame: Lame, strain: &Matrix<D>, left: f64) -> Tangent<D> {
+    let bulk = lame.lambda + 2.0 / 3.0 * lame.mu;
+    let open = if strain.trace() > 0.0 { left } else { 1.0 };
+    Tangent {
+        lambda: open * bulk - left * 2.0 / 3.0 * lame.mu,
+        ..Tangent::elastic(Lame {
+            lambda: 0.0,
+            mu: left * lame.mu,
+        })
+    }
+}

@@ -1,0 +1,161 @@
+//! Internal forces of a solid with damage (Eq. 58 with Eqs. 30, 31 and 53).
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::Elastic;
+use crate::geometry::{Matrix, Vector};
+use crate::material::{DamageLaw, PointAnswer, Softening, Tangent};
+
+/// Damage at all points.
+#[derive(Debug)]
+pub struct Damage<const D: usize> {
+    /// The law.
+    pub law: DamageLaw<D>,
+    /// G_c/ℓ per point, J/m³, shape `(n,)`.
+    pub toughness: Vec<f64>,
+    /// Largest driving energy before the run, J/m³, shape `(n,)`: cracks that are there from the start.
+    pub initial: Vec<f64>,
+    evaluations: AtomicU64,
+}
+
+/// What a damaged solid answers to a displacement.
+#[derive(Debug, Clone)]
+pub struct Answer<const D: usize> {
+    /// Forces on the ends of all bonds, N, shape `(bonds,)`.
+    pub forces: Vec<Vector<D>>,
+    /// Strain per point, shape `(n,)`.
+    pub strain: Vec<Matrix<D>>,
+    /// Driving energy per point, J/m³, shape `(n,)`.
+    pub driving: Vec<f64>,
+    /// Damage per point, shape `(n,)`.
+    pub damage: Vec<f64>,
+    /// Hourglass energy per family without its factor 1 − s, J, shape `(n,)`.
+    pub rough: Vec<f64>,
+    /// Energy of strain and what damage took, without that of the hourglass term, J (per metre of
+    /// thickness in 2-D).
+    pub bulk: f64,
+}
+
+impl<const D: usize> Answer<D> {
+    /// Energy with the hourglass term weakened by `damage` (shape `(n,)`), J.
+    ///
+    /// Eq. 53 weakens that term without letting its energy drive damage, so that the force is the
+    /// derivative of this energy at fixed `damage` only.
+    pub fn energy(&self, damage: &[f64]) -> f64 {
+        let rough = self.rough.iter().zip(damage).map(|(rough, s)| (1.0 - s) * rough);
+        self.bulk + rough.sum::<f64>()
+    }
+}
+
+impl<const D: usize> Damage<D> {
+    /// Damage with the given law and strength.
+    pub fn new(law: DamageLaw<D>, toughness: Vec<f64>, initial: Vec<f64>) -> Self {
+        Damage {
+            law,
+            toughness,
+            initial,
+            evaluations: AtomicU64::new(0),
+        }
+    }
+
+    /// Answer of one point.
+    pub fn at(
+        &self,
+        elastic: &Elastic<D>,
+        history: &[f64],
+        owner: usize,
+        strain: &Matrix<D>,
+    ) -> PointAnswer<D> {
+        let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
+        self.law.answer(lame, toughness, history[owner], strain)
+    }
+
+    /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
+    pub fn answer(
+        &self,
+        elastic: &Elastic<D>,
+        history: &[f64],
+        difference: impl Fn(usize, usize) -> Vector<D> + Sync,
+    ) -> Answer<D> {
+        self.evaluations.fetch_add(elastic.points() as u64, Ordering::Relaxed);
+        let forces = |owner: usize| {
+            let mut seen = None;
+            let forces = elastic.family_answer(owner, |bond| difference(owner, bond), |strain| {
+                let point = self.at(elastic, history, owner, strain);
+                seen = Some((*strain, point));
+                (point.stress, 1.0 - point.damage)
+            });
+            (seen, forces)
+        };
+        let families: Vec<_> = (0..elastic.points()).into_par_iter().map(forces).collect();
+        let mut answer = Answer {
+            forces: Vec::with_capacity(elastic.around.families.bonds()),
+            strain: Vec::with_capacity(elastic.points()),
+            driving: Vec::with_capacity(elastic.points()),
+            damage: Vec::with_capacity(elastic.points()),
+            rough: Vec::with_capacity(elastic.points()),
+            bulk: 0.0,
+        };
+        for (owner, (seen, (forces, rough))) in families.into_iter().enumerate() {
+            let Some((strain, point)) = seen else { continue };
+            let volume = elastic.around.cloud.volume[owner];
+            answer.bulk += volume * point.energy;
+            answer.rough.push(rough);
+            answer.forces.extend(forces);
+            answer.strain.push(strain);
+            answer.driving.push(point.driving);
+            answer.damage.push(point.damage);
+        }
+        answer
+    }
+
+    /// Tangents of all points at the strains of an answer.
+    pub fn tangents(
+        &self,
+        elastic: &Elastic<D>,
+        history: &[f64],
+        strain: &[Matrix<D>],
+        softening: Softening,
+    ) -> Vec<Tangent<D>> {
+        let at = |(owner, strain): (usize, &Matrix<D>)| {
+            let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
+            self.law.tangent(lame, toughness, history[owner], strain, softening)
+        };
+        strain.par_iter().enumerate().map(at).collect()
+    }
+
+    /// Raises `history` (J/m³, shape `(n,)`) to what an answer drove.
+    pub fn advance(&self, driving: &[f64], history: &mut [f64]) {
+        for (history, driving) in history.iter_mut().zip(driving) {
+            *history = history.max(*driving);
+        }
+    }
+
+    /// Damage per point after `history`, shape `(n,)`.
+    pub fn of(&self, history: &[f64]) -> Vec<f64> {
+        let pairs = history.iter().zip(&self.toughness);
+        pairs.map(|(history, toughness)| self.law.damage(*history, *toughness)).collect()
+    }
+
+    /// Energy that damage took since the start, Σ V (G_c/ℓ) s² without that of the initial cracks, J
+    /// (per metre of thickness in 2-D).
+    pub fn dissipated(&self, volume: &[f64], history: &[f64]) -> f64 {
+        let taken = |i: usize| {
+            let at = |history: f64| self.law.damage(history, self.toughness[i]).powi(2);
+            volume[i] * self.toughness[i] * (at(history[i]) - at(self.initial[i]))
+        };
+        (0..volume.len()).map(taken).sum()
+    }
+
+    /// How often points were evaluated.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations.load(Ordering::Relaxed)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        8 * (self.toughness.len() + self.initial.len())
+    }
+}

@@ -1,0 +1,364 @@
+//! Equilibrium of a solid that breaks.
+//!
+//! Damage is local, so it is eliminated: the energy is a function of the displacement alone, whose
+//! derivative is the force. Every iteration solves with a tangent of that force and walks down the
+//! energy. With the tangent at fixed damage this is alternate minimisation: the energy is concave in
+//! the driving energy, so the step never goes uphill. With as much softening as leaves every point
+//! positive it is faster, with all of it it is Newton's method, which the solver may refuse where the
+//! tangent is indefinite; then the next ones are tried.
+
+mod tangents;
+
+use perifrac_solvers::{
+    Coordinates, Demand, LinearSolver, NearNullspace, Problem, Symmetry, dot,
+};
+
+use super::solid::{Chosen, build_solver};
+use super::{SchemeCounters, SolidSolver, State, StepError, solid_of};
+use crate::material::Softening;
+use crate::model::{Model, SolidModel};
+use crate::operators::{Answer, Damage};
+use crate::plan::{DamageMethod, DamagePlan};
+use tangents::TangentMatrix;
+
+/// Iterations with damage eliminated.
+pub struct Fracture<const D: usize> {
+    solver: Box<dyn LinearSolver>,
+    chosen: Chosen,
+    plan: DamagePlan,
+    tangent: TangentMatrix<D>,
+    /// Whether the solver knows the matrix as it is.
+    fresh: bool,
+    /// Iterations for which Newton's tangent is not tried again.
+    rest: usize,
+    /// Largest force on the solid so far, N: a scale once it is in two.
+    largest: f64,
+    newton: u64,
+    fallbacks: u64,
+    searches: u64,
+}
+
+/// Residual of the linear systems relative to the forces out of balance.
+const FORCING: f64 = 1e-3;
+/// Share of the largest force so far that still counts as a scale.
+const REMEMBERED: f64 = 1e-2;
+/// Forces out of balance, relative to all forces, from which Newton's tangent is tried.
+const NEAR: f64 = 3e-2;
+/// Iterations without it after it failed.
+const REST: usize = 4;
+/// Part of the decrease that a step promises and must keep.
+const SUFFICIENT: f64 = 1e-4;
+const MOST_CUTS: usize = 12;
+/// Longest step in units of the solution of the linear system.
+const LONGEST: f64 = 8.0;
+/// Slope left over, relative to that at the start, from which a longer step is tried.
+const STEEP: f64 = 0.3;
+
+/// A displacement with what the solid answers to it.
+struct Trial<const D: usize> {
+    answer: Answer<D>,
+    /// Forces out of balance, N.
+    force: Vec<f64>,
+    /// Work of the loads, J.
+    work: f64,
+}
+
+impl<const D: usize> Trial<D> {
+    /// Energy less the work of the loads, the hourglass term weakened by `damage`, J.
+    fn potential(&self, damage: &[f64]) -> f64 {
+        self.answer.energy(damage) - self.work
+    }
+}
+
+impl<const D: usize> Fracture<D> {
+    /// Chooses and analyses the solver once.
+    ///
+    /// # Errors
+    /// [`StepError`] if the solver is refused, or the scene has walls or processes that it cannot have.
+    pub fn new(demand: &Demand, model: &Model<D>, plan: DamagePlan) -> Result<Self, StepError> {
+        let solid = solid_of(model)?;
+        let coordinates = model.cloud.flat_positions();
+        let problem = Problem {
+            solves: demand.solves,
+            // Cracks leave next to nothing of the stiffness.
+            contrast: 1.0 / plan.residual_stiffness,
+            coordinates: Some(Coordinates {
+                dimension: D,
+                values: &coordinates,
+            }),
+            near_nullspace: NearNullspace::RigidModes,
+            ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
+        };
+        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        Ok(Fracture {
+            solver,
+            chosen,
+            plan,
+            tangent: TangentMatrix::new(solid),
+            fresh: false,
+            rest: 0,
+            largest: 0.0,
+            newton: 0,
+            fallbacks: 0,
+            searches: 0,
+        })
+    }
+
+    fn evaluate(&self, solid: &SolidModel<D>, state: &State, external: &[f64]) -> Trial<D> {
+        let damage = damage_of(solid);
+        let difference =
+            |owner, bond| solid.difference(&state.displacement, &state.walls, owner, bond);
+        let answer = damage.answer(&solid.elastic, &state.history, difference);
+        let mut force = external.to_vec();
+        solid.subtract_answer(&answer, &mut force);
+        Trial {
+            work: dot(external, &state.displacement),
+            answer,
+            force,
+        }
+    }
+
+    /// Scale of the forces, N.
+    fn scale(&mut self, solid: &SolidModel<D>, external: &[f64], answer: &Answer<D>) -> f64 {
+        let held: f64 = solid.wall_forces(answer).iter().map(|f| f.abs()).sum();
+        let now = held + external.iter().map(|f| f.abs()).sum::<f64>();
+        self.largest = self.largest.max(now);
+        now.max(REMEMBERED * self.largest)
+    }
+
+    fn solve(&mut self, force: &[f64]) -> Result<(Vec<f64>, usize), StepError> {
+        if !self.fresh {
+            self.solver.refresh(self.tangent.matrix.view())?;
+            self.fresh = true;
+        }
+        let mut change = vec![0.0; force.len()];
+        let matrix = self.tangent.matrix.view();
+        let report = self.solver.solve_to(matrix, force, &mut change, FORCING)?;
+        Ok((change, report.iterations))
+    }
+
+    /// Moves the prescribed walls to their place at the state's time and the points with them, as far as
+    /// the last tangent tells.
+    fn predict(
+        &mut self,
+        solid: &SolidModel<D>,
+        state: &mut State,
+        external: &[f64],
+    ) -> Result<usize, StepError> {
+        let before = state.walls.clone();
+        solid.place_walls(state.time, &mut state.walls);
+        let moves: Vec<f64> = state.walls.iter().zip(&before).map(|(n, o)| n - o).collect();
+        if moves.iter().all(|by| by.abs() <= 0.0) {
+            return Ok(0);
+        }
+        let after = std::mem::replace(&mut state.walls, before);
+        let here = self.evaluate(solid, state, external);
+        self.bring(solid, state, &here, Softening::Bounded);
+        let push = self.tangent.wall_push(solid, &moves);
+        let force: Vec<f64> = here.force.iter().zip(&push).map(|(f, p)| f - p).collect();
+        let (change, iterations) = self.solve(&force)?;
+        state.displacement.iter_mut().zip(&change).for_each(|(u, c)| *u += c);
+        state.walls = after;
+        Ok(iterations)
+    }
+
+    fn bring(&mut self, solid: &SolidModel<D>, state: &State, at: &Trial<D>, softening: Softening) {
+        let damage = damage_of(solid);
+        let moved =
+            self.tangent.update(solid, damage, &state.history, &at.answer, softening);
+        self.fresh &= !moved;
+    }
+
+    /// Tangent to try at a relative imbalance of forces.
+    fn softening(&mut self, imbalance: f64) -> Softening {
+        self.rest = self.rest.saturating_sub(1);
+        match self.plan.method {
+            DamageMethod::Alternate => Softening::Fixed,
+            DamageMethod::Newton if self.rest == 0 => Softening::Exact,
+            DamageMethod::Auto if self.rest == 0 && imbalance < NEAR => Softening::Exact,
+            _ => Softening::Bounded,
+        }
+    }
+
+    /// Direction in which the potential falls, with the iterations it took.
+    fn direction(
+        &mut self,
+        solid: &SolidModel<D>,
+        state: &State,
+        at: &Trial<D>,
+        imbalance: f64,
+    ) -> Result<(Vec<f64>, usize), StepError> {
+        let softening = self.softening(imbalance);
+        if softening == Softening::Exact {
+            self.bring(solid, state, at, softening);
+            if let Ok((change, iterations)) = self.solve(&at.force)
+                && dot(&change, &at.force) > 0.0
+            {
+                return Ok((change, iterations));
+            }
+            self.fallbacks += 1;
+            self.rest = REST;
+            self.fresh = false;
+            self.bring(solid, state, at, Softening::Bounded);
+            return self.solve(&at.force);
+        }
+        self.bring(solid, state, at, softening);
+        self.solve(&at.force)
+    }
+
+    /// Walks along `change` until the potential has fallen enough; `None` if it does not.
+    fn search(
+        &mut self,
+        solid: &SolidModel<D>,
+        state: &mut State,
+        external: &[f64],
+        at: &Trial<D>,
+        change: &[f64],
+    ) -> Option<Trial<D>> {
+        let start = state.displacement.clone();
+        let slope = dot(&at.force, change);
+        let place = |state: &mut State, length: f64| {
+            let moved = start.iter().zip(change).map(|(u, c)| u + length * c);
+            state.displacement.clear();
+            state.displacement.extend(moved);
+        };
+        let damage = &at.answer.damage;
+        let high = at.potential(damage);
+        let rounding = 1e-14 * (at.answer.bulk.abs() + at.work.abs());
+        let mut length = 1.0;
+        for _ in 0..MOST_CUTS {
+            place(state, length);
+            let next = self.evaluate(solid, state, external);
+            self.searches += 1;
+            let fallen = high - next.potential(damage);
+            let left = dot(&next.force, change);
+            if fallen >= SUFFICIENT * length * slope - rounding {
+                if length < 1.0 || left <= STEEP * slope {
+                    return Some(next);
+                }
+                return Some(self.stretch(solid, state, external, (slope, left), (damage, next), &place, change));
+            }
+            // Minimum of the parabola through both energies and the slope at the start.
+            let bent = 2.0 * (slope * length - fallen);
+            let best = if bent > 0.0 { slope * length / bent } else { 0.5 };
+            length *= best.clamp(0.1, 0.5);
+        }
+        place(state, 0.0);
+        None
+    }
+
+    /// A longer step where the slope says so, if the potential falls further.
+    #[allow(clippy::too_many_arguments)]
+    fn stretch(
+        &mut self,
+        solid: &SolidModel<D>,
+        state: &mut State,
+        external: &[f64],
+        (slope, left): (f64, f64),
+        (damage, found): (&[f64], Trial<D>),
+        place: &dyn Fn(&mut State, f64),
+        change: &[f64],
+    ) -> Trial<D> {
+        let length = match left < 0.875 * slope {
+            true => (slope / (slope - left)).min(LONGEST),
+            false => LONGEST,
+        };
+        place(state, length);
+        let next = self.evaluate(solid, state, external);
+        self.searches += 1;
+        let steeper = dot(&next.force, change);
+        if next.potential(damage) < found.potential(damage) && steeper > -slope {
+            return next;
+        }
+        place(state, 1.0);
+        found
+    }
+}
+
+/// The damage of a solid that this solver was built for.
+fn damage_of<const D: usize>(solid: &SolidModel<D>) -> &Damage<D> {
+    match &solid.damage {
+        Some(damage) => damage,
+        None => unreachable!("built for a solid with damage"),
+    }
+}
+
+impl<const D: usize> SolidSolver<D> for Fracture<D> {
+    fn name(&self) -> &'static str {
+        match self.plan.method {
+            DamageMethod::Auto => "damage, newton and alternate",
+            DamageMethod::Newton => "damage, newton",
+            DamageMethod::Alternate => "damage, alternate",
+        }
+    }
+
+    fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
+        let solid = solid_of(model)?;
+        let external = model.push(state.time, &state.pressure);
+        let mut iterations = self.predict(solid, state, &external)?;
+        let mut at = self.evaluate(solid, state, &external);
+        let mut best = f64::INFINITY;
+        for pass in 0..=self.plan.iterations {
+            let scale = self.scale(solid, &external, &at.answer);
+            let sum: f64 = at.force.iter().map(|f| f.abs()).sum();
+            let imbalance = if scale > 0.0 { sum / scale } else { sum };
+            if !imbalance.is_finite() {
+                return Err(StepError::NotFinite {
+                    field: "force",
+                    point: at.force.iter().position(|f| !f.is_finite()).unwrap_or(0) / D,
+                    time: state.time,
+                });
+            }
+            if sum <= self.plan.tolerance * scale {
+                return Ok(iterations);
+            }
+            best = best.min(imbalance);
+            if pass == self.plan.iterations {
+                break;
+            }
+            let t0 = std::time::Instant::now();
+            let (change, inner) = self.direction(solid, state, &at, imbalance)?;
+            let t1 = t0.elapsed().as_secs_f64();
+            iterations += inner;
+            self.newton += 1;
+            let exact = self.rest == 0;
+            let s0 = self.searches;
+            let rf = self.tangent.refilled;
+            let before = at.potential(&at.answer.damage);
+            match self.search(solid, state, &external, &at, &change) {
+                Some(next) => at = next,
+                // The exact tangent may have led astray; the others always lead down.
+                None if exact && self.plan.method != DamageMethod::Alternate => self.rest = REST,
+                None => break,
+            }
+            if std::env::var("DBG").is_ok() {
+                eprintln!("  pass {pass} imb {imbalance:.2e} inner {inner} dir {t1:.3}s all {:.3}s searches {} rest {} dE {:.3e} refilled {rf} fb {} broken {}", t0.elapsed().as_secs_f64(), self.searches - s0, self.rest, at.potential(&at.answer.damage) - before, self.fallbacks, at.answer.damage.iter().filter(|d| **d > 0.9).count());
+            }
+        }
+        Err(StepError::NotBroken {
+            time: state.time,
+            residual: best,
+            tolerance: self.plan.tolerance,
+            iterations: self.newton as usize,
+        })
+    }
+
+    fn accuracy(&self) -> f64 {
+        self.plan.tolerance
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        SchemeCounters {
+            mechanics: Some(self.solver.counters().clone()),
+            newton_iterations: self.newton,
+            fallbacks: self.fallbacks,
+            searches: self.searches,
+            refilled_families: self.tangent.refilled,
+            ..SchemeCounters::default()
+        }
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        Some(self.chosen.clone())
+    }
+}
