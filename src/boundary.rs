@@ -21,6 +21,16 @@ pub struct Wall {
 }
 
 impl Wall {
+    /// Brings the response to a mobility (m²/(Pa s), shape `(n,)`); without gravity.
+    pub fn follow<const D: usize>(
+        &mut self,
+        operator: &dyn ScalarOperator<D>,
+        extension: &Extension<D>,
+        mobility: &[f64],
+    ) {
+        self.response = response(operator, extension, mobility, self.side);
+    }
+
     /// Adds the rate that enters the points from the side, m^D/s.
     ///
     /// Seepage is part of the rate of gravity.
@@ -67,6 +77,22 @@ impl Wall {
     }
 }
 
+/// Conductance between a side and each point it reaches, m^D/(Pa s).
+fn response<const D: usize>(
+    operator: &dyn ScalarOperator<D>,
+    extension: &Extension<D>,
+    mobility: &[f64],
+    side: Side,
+) -> Vec<(u32, f64)> {
+    let families = &operator.neighbourhood().families;
+    let mut unit = vec![0.0; 2 * D];
+    unit[side.index()] = 1.0;
+    let offset = |_: usize, bond: usize| extension.wall_offset(families.image(bond), &unit);
+    let force = operator.force(extension, mobility, &offset);
+    let reached = (0_u32..).zip(force).filter(|(_, f)| *f != 0.0);
+    reached.map(|(i, f)| (i, -f)).collect()
+}
+
 /// The sides of prescribed pressure of a plan.
 pub fn walls<const D: usize>(
     plan: &Plan,
@@ -95,19 +121,10 @@ pub fn walls<const D: usize>(
             let SideCondition::Pressure { value, .. } = &flow.sides[side.index()] else {
                 return None;
             };
-            let mut unit = vec![0.0; 2 * D];
-            unit[side.index()] = 1.0;
-            let offset = |_: usize, bond: usize| extension.wall_offset(families.image(bond), &unit);
-            let force = operator.force(extension, mobility, &offset);
-            let response = (0_u32..)
-                .zip(force)
-                .filter(|(_, f)| *f != 0.0)
-                .map(|(i, f)| (i, -f));
-            let (pressure, response) = (value.clone(), response.collect());
             Some(Wall {
                 side,
-                pressure,
-                response,
+                pressure: value.clone(),
+                response: response(operator, extension, mobility, side),
                 seepage: seepage[side.index()],
             })
         })

@@ -2,16 +2,20 @@
 //!
 //! A new effect is one new file and one line in `registry`.
 
+mod aperture;
 mod cracks;
 mod flux;
 mod gravity;
+mod injection;
 mod solid;
 mod source;
 mod wells;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+pub use aperture::aperture;
 pub use gravity::Column;
+pub use injection::injection_shares;
 pub use solid::{SolidContext, build_solid, side_areas, tensor};
 pub use source::ManufacturedSource;
 
@@ -34,6 +38,8 @@ pub struct Context<'a, const D: usize> {
     pub storage: &'a [f64],
     /// Weight of the fluid, if gravity acts.
     pub column: Option<&'a Column<D>>,
+    /// Points per crack that are damaged from the start.
+    pub bands: &'a [Vec<u32>],
 }
 
 /// A contribution to the right-hand side of a field: the rate of volume at the points for flow, the
@@ -108,6 +114,17 @@ pub enum EffectError {
         /// The side.
         side: &'static str,
     },
+    /// No broken point is near the place of an injection.
+    #[error(
+        "cracks.{name}.injection at {at:?}: no point of the crack within one horizon; move it onto the \
+         crack"
+    )]
+    EmptyInjection {
+        /// Name of the crack.
+        name: String,
+        /// Position, m.
+        at: Vec<f64>,
+    },
     /// The manufactured solution does not fit the scene.
     #[error("the manufactured source cannot be built: {0}")]
     Manufactured(String),
@@ -116,8 +133,14 @@ pub enum EffectError {
 type Build<const D: usize> = fn(&Context<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
 
 /// Every effect with the function that builds it, or nothing if the plan does not name it.
-fn registry<const D: usize>() -> [Build<D>; 4] {
-    [flux::build, gravity::build, wells::build, source::build]
+fn registry<const D: usize>() -> [Build<D>; 5] {
+    [
+        flux::build,
+        gravity::build,
+        wells::build,
+        injection::build,
+        source::build,
+    ]
 }
 
 /// Builds the effects the plan names and no others.

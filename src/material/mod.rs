@@ -6,6 +6,7 @@ mod elasticity;
 mod random_field;
 mod storage;
 
+pub use eigen::eigen;
 pub use damage::{DamageLaw, EnergySplit, PointAnswer, Softening, Tangent};
 pub use elasticity::{Elasticity, Lame};
 pub use random_field::log_normal;

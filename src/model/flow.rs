@@ -14,6 +14,7 @@ use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::Flows;
 
+use super::bands::Bands;
 use super::diffusion::build_operator;
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
@@ -68,7 +69,7 @@ impl<const D: usize> FlowModel<D> {
         flow: &FlowPlan,
         cloud: &Arc<Cloud<D>>,
         families: Families<D>,
-        points: &Properties,
+        (points, bands): (&Properties, &Bands),
         warnings: &mut Vec<String>,
     ) -> Result<Self, ModelError> {
         let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
@@ -89,7 +90,7 @@ impl<const D: usize> FlowModel<D> {
             .map(|k| k / plan.fluid.viscosity)
             .collect();
         let column = Column::of(plan, cloud);
-        let (fixed, fixed_loads) = fixed_points(flow, cloud)?;
+        let (fixed, fixed_loads) = fixed_points(plan, flow, cloud, bands)?;
         let initial = cloud.position.iter().map(|x| {
             let weight = column.as_ref().filter(|_| flow.hydrostatic_start);
             flow.initial_pressure + weight.map_or(0.0, |column| column.pressure(x))
@@ -126,6 +127,7 @@ impl<const D: usize> FlowModel<D> {
     pub(super) fn assemble(
         mut self,
         plan: &Plan,
+        bands: &Bands,
         coupling: Option<&Coupling>,
     ) -> Result<Self, ModelError> {
         self.pattern = self.operator.pattern()?;
@@ -152,6 +154,7 @@ impl<const D: usize> FlowModel<D> {
             mobility: &self.mobility,
             storage: &storage,
             column: self.column.as_ref(),
+            bands: &bands.points,
         })?;
         self.walls = boundary::walls(
             plan,
@@ -173,6 +176,13 @@ impl<const D: usize> FlowModel<D> {
             &mut self.conductance,
         );
         self.refills += 1;
+    }
+
+    /// Brings the sides of prescribed pressure to the current mobility.
+    pub fn follow_walls(&mut self) {
+        for wall in &mut self.walls {
+            wall.follow(&*self.operator, &self.extension, &self.mobility);
+        }
     }
 
     /// Number of points.
@@ -291,6 +301,13 @@ impl<const D: usize> FlowModel<D> {
     pub fn fix(&self, time: f64, base: &[f64], change: &mut [f64]) {
         for fixed in &self.fixed {
             change[fixed.point] = self.fixed_loads[fixed.load].at(time) - base[fixed.point];
+        }
+    }
+
+    /// Sets the prescribed pressures to those at `time`, Pa.
+    pub fn fix_values(&self, time: f64, pressure: &mut [f64]) {
+        for fixed in &self.fixed {
+            pressure[fixed.point] = self.fixed_loads[fixed.load].at(time);
         }
     }
 
@@ -441,19 +458,17 @@ pub fn exchange(pattern: &Pattern, conductance: &[f64], pressure: &[f64], row: u
         .sum()
 }
 
-/// Points of the regions with prescribed pressure; a later region wins.
+/// Points of the regions and cracks with prescribed pressure; a later one wins, cracks after regions.
 fn fixed_points<const D: usize>(
+    plan: &Plan,
     flow: &FlowPlan,
     cloud: &Cloud<D>,
+    bands: &Bands,
 ) -> Result<(Vec<FixedPressure>, Vec<Load>), ModelError> {
-    let mut chosen = vec![
-        None;
-        if flow.regions.is_empty() {
-            0
-        } else {
-            cloud.len()
-        }
-    ];
+    let pressed = plan.cracks.iter().zip(&bands.points);
+    let pressed = pressed.filter_map(|(crack, band)| Some((crack.pressure.as_ref()?, band)));
+    let none = flow.regions.is_empty() && pressed.clone().next().is_none();
+    let mut chosen = vec![None; if none { 0 } else { cloud.len() }];
     for (load, region) in flow.regions.iter().enumerate() {
         let mut found = false;
         for (own, x) in chosen.iter_mut().zip(&cloud.position) {
@@ -465,13 +480,14 @@ fn fixed_points<const D: usize>(
             return Err(ModelError::EmptyPressureRegion { number: load + 1 });
         }
     }
+    let mut loads: Vec<Load> = flow.regions.iter().map(|region| region.pressure.clone()).collect();
+    for (pressure, band) in pressed {
+        for &point in band {
+            chosen[point as usize] = Some(loads.len());
+        }
+        loads.push(pressure.clone());
+    }
     let points = chosen.into_iter().enumerate();
     let fixed = points.filter_map(|(point, load)| load.map(|load| FixedPressure { point, load }));
-    Ok((
-        fixed.collect(),
-        flow.regions
-            .iter()
-            .map(|region| region.pressure.clone())
-            .collect(),
-    ))
+    Ok((fixed.collect(), loads))
 }

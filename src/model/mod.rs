@@ -7,6 +7,7 @@ mod damage;
 mod diffusion;
 mod error;
 mod flow;
+mod fracture_flow;
 mod places;
 mod properties;
 mod sample;
@@ -22,12 +23,14 @@ pub use cloud::{build_cloud, build_families};
 pub use coupling::{Audit, Coupling};
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
+pub use fracture_flow::FractureFlow;
 pub use places::{Faces, Places};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
 use crate::geometry::{Cloud, Families, Share, Vector};
-use crate::plan::{Plan, manufactured};
+use crate::effects::injection_shares;
+use crate::plan::{CrackPlan, Plan, manufactured};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
 
@@ -45,6 +48,10 @@ pub struct Model<const D: usize> {
     pub solid: Option<SolidModel<D>>,
     /// What couples the two.
     pub coupling: Option<Coupling>,
+    /// How flow changes where rock breaks.
+    pub fracture_flow: Option<FractureFlow>,
+    /// Points where fluid is pumped into each crack, with their shares; none where it is not.
+    pub injections: Vec<Vec<(u32, f64)>>,
     /// Where values between points are wanted.
     pub places: Places<D>,
     /// Points of cracks that are damaged from the start.
@@ -97,12 +104,17 @@ impl<const D: usize> Model<D> {
             plan,
             &cloud,
             families,
-            &points,
+            (&points, &bands),
             coupling.as_ref(),
             &mut warnings,
             timers,
         )?;
+        let fracture_flow =
+            FractureFlow::of(plan, flow.as_ref(), coupling.as_ref(), &points.permeability);
+        let injections = injections(plan, flow.as_ref(), &bands);
         Ok(Model {
+            fracture_flow,
+            injections,
             cloud,
             material: points.material,
             permeability: points.permeability,
@@ -125,8 +137,9 @@ impl<const D: usize> Model<D> {
     }
 
     /// Mean pressure where fluid is pumped into a crack, Pa.
-    pub fn injection_pressure(&self, _crack: usize, _pressure: &[f64]) -> Option<f64> {
-        None
+    pub fn injection_pressure(&self, crack: usize, pressure: &[f64]) -> Option<f64> {
+        let share = self.injections.get(crack).filter(|share| !share.is_empty())?;
+        Some(share.iter().map(|&(point, share)| share * pressure[point as usize]).sum())
     }
 
     /// Times at which a load's slope jumps, sorted.
@@ -144,15 +157,30 @@ impl<const D: usize> Model<D> {
         let flow = self.flow.iter().flat_map(FlowModel::bytes);
         let solid = self.solid.iter().flat_map(SolidModel::bytes);
         let coupling = self.coupling.iter().map(|c| ("coupling", c.bytes()));
-        flow.chain(solid).chain(coupling).collect()
+        let cracks = self.fracture_flow.iter().map(|f| ("fracture-flow", f.bytes()));
+        flow.chain(solid).chain(coupling).chain(cracks).collect()
     }
+}
+
+fn injections<const D: usize>(
+    plan: &Plan,
+    flow: Option<&FlowModel<D>>,
+    bands: &Bands,
+) -> Vec<Vec<(u32, f64)>> {
+    let shares = |(crack, band): (&CrackPlan, &Vec<u32>)| {
+        let (injection, flow) = (crack.injection.as_ref()?, flow?);
+        let at = crate::effects::vector(&injection.at);
+        Some(injection_shares(flow.operator.neighbourhood(), &at, band))
+    };
+    let cracks = plan.cracks.iter().zip(&bands.points);
+    cracks.map(|crack| shares(crack).unwrap_or_default()).collect()
 }
 
 fn build_flow<const D: usize>(
     plan: &Plan,
     cloud: &Arc<Cloud<D>>,
     families: Families<D>,
-    points: &properties::Properties,
+    (points, bands): (&properties::Properties, &Bands),
     coupling: Option<&Coupling>,
     warnings: &mut Vec<String>,
     timers: &mut Timers,
@@ -161,9 +189,9 @@ fn build_flow<const D: usize>(
         return Ok(None);
     };
     let flow = timers.time("operators", || {
-        FlowModel::build(plan, flow, cloud, families, points, warnings)
+        FlowModel::build(plan, flow, cloud, families, (points, bands), warnings)
     })?;
-    let mut flow = timers.time("assembly", || flow.assemble(plan, coupling))?;
+    let mut flow = timers.time("assembly", || flow.assemble(plan, bands, coupling))?;
     if let Ok(Some(solution)) = manufactured(plan) {
         let exact = |x: &Vector<D>| solution.pressure(x.as_slice(), 0.0);
         flow.initial = cloud.position.iter().map(exact).collect();

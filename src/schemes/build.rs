@@ -1,7 +1,7 @@
 //! Which scheme a plan gets: one place where names, effects and schemes meet.
 
 use super::{
-    Assembled, FlowStage, ForwardEuler, Fracture, Implicit, ImplicitSystem, Monolithic, QuasiStatic,
+    Assembled, FlowStage, ForwardEuler, Fracture, FractureFlowStep, Implicit, ImplicitSystem, Monolithic, QuasiStatic,
     Relaxation, Scheme, SolidSolver, Staggered, StepError, Verlet, coupling_of, flow_of, solid_of,
 };
 use crate::model::{Drive, Model};
@@ -77,6 +77,9 @@ fn solid_alone<const D: usize>(
 }
 
 fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Scheme<D>>, StepError> {
+    if let (Some(damage), true) = (plan.damage, model.fracture_flow.is_some()) {
+        return Ok(Box::new(FractureFlowStep::new(plan, damage, model)?));
+    }
     let options = plan.scheme_options;
     let parts = (flow_of(model)?, coupling_of(model)?);
     let flow = || ImplicitSystem::new(&plan.stage_demand(), parts.0);

@@ -231,7 +231,8 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         Some(&self.limit)
     }
 
-    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+        let model = &*model;
         let wanted = model
             .coupling
             .as_ref()
@@ -246,11 +247,12 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
 
     fn step(
         &mut self,
-        model: &Model<D>,
+        model: &mut Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        let model = &*model;
         let flow = flow_of(model)?;
         self.update_rate(flow, old.time);
         let span = (old.time, dt);
@@ -281,6 +283,7 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         self.check(model, old, trial, dt)?;
         Ok(StepReport {
             growth: growth(model, old, trial),
+            stored: None,
             iterations,
             error: None,
             flows,

@@ -238,7 +238,8 @@ impl<const D: usize> Scheme<D> for Implicit<D> {
         }
     }
 
-    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+        let model = &*model;
         if !model
             .coupling
             .as_ref()
@@ -253,11 +254,12 @@ impl<const D: usize> Scheme<D> for Implicit<D> {
 
     fn step(
         &mut self,
-        model: &Model<D>,
+        model: &mut Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        let model = &*model;
         let report = match self.integrator {
             Integrator::BackwardEuler => self.backward_euler(model, old, dt, trial),
             Integrator::TrBdf2 => self.tr_bdf2(model, old, dt, trial),

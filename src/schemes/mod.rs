@@ -33,7 +33,7 @@ pub use build::build;
 pub use control::StepControl;
 pub use error::StepError;
 pub use explicit::ForwardEuler;
-pub use fracture::Fracture;
+pub use fracture::{Fracture, FractureFlowStep};
 pub use implicit::Implicit;
 pub use layout::BlockMatrix;
 pub use limits::{StepLimit, diffusion_limit};
@@ -62,6 +62,8 @@ pub struct StepReport {
     pub flows: Flows,
     /// Largest growth of damage at a point; `None` without damage.
     pub growth: Option<f64>,
+    /// Volume that the pores took up, m^D, where it is no function of the state.
+    pub stored: Option<f64>,
 }
 
 /// Work done by a scheme.
@@ -109,17 +111,18 @@ pub trait Scheme<const D: usize>: Send {
     ///
     /// # Errors
     /// [`StepError`].
-    fn start(&mut self, _model: &Model<D>, _state: &mut State) -> Result<(), StepError> {
+    fn start(&mut self, _model: &mut Model<D>, _state: &mut State) -> Result<(), StepError> {
         Ok(())
     }
 
-    /// One step of `dt` seconds from `old` into `trial`.
+    /// One step of `dt` seconds from `old` into `trial`. Coefficients of the model that depend on the
+    /// state are those of `trial` afterwards.
     ///
     /// # Errors
     /// [`StepError`]; `trial` is then of no use.
     fn step(
         &mut self,
-        model: &Model<D>,
+        model: &mut Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,

@@ -45,7 +45,8 @@ impl<const D: usize> Scheme<D> for QuasiStatic<D> {
         1.0
     }
 
-    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+        let model = &*model;
         self.solid.equilibrate(model, state)?;
         advance(model, state);
         Ok(())
@@ -53,11 +54,12 @@ impl<const D: usize> Scheme<D> for QuasiStatic<D> {
 
     fn step(
         &mut self,
-        model: &Model<D>,
+        model: &mut Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        let model = &*model;
         trial.clone_from(old);
         trial.time = old.time + dt;
         let iterations = self.solid.equilibrate(model, trial)?;

@@ -56,6 +56,7 @@ pub fn solve_steady<const D: usize>(
         error: None,
         flows,
         growth: None,
+        stored: None,
     };
     let counters = SchemeCounters {
         solver: system.counters().clone(),

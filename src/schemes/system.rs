@@ -91,6 +91,13 @@ impl ImplicitSystem {
         self.solver.counters()
     }
 
+    /// Makes the next [`ImplicitSystem::prepare`] fill the matrix anew, because L, the storage or the
+    /// conductance to the sides have changed.
+    pub fn forget<const D: usize>(&mut self, flow: &FlowModel<D>) {
+        self.coefficient = None;
+        self.leak = flow.leak();
+    }
+
     /// Makes the matrix S + a L the current one for `storage` (shape `(n,)`, m^D/Pa); `ground` rows get
     /// their own diagonal once more. As long as `a` is the same, so must be the storage.
     ///

@@ -170,11 +170,12 @@ impl<const D: usize> Scheme<D> for Verlet {
 
     fn step(
         &mut self,
-        model: &Model<D>,
+        model: &mut Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        let model = &*model;
         let solid = solid_of(model)?;
         let mut report = StepReport::default();
         let known = self

@@ -16,7 +16,6 @@ use serde::Serialize;
 use super::Lame;
 use crate::geometry::Matrix;
 
-pub use split::Parts;
 pub use tangent::{Softening, Tangent};
 
 /// Splits of the elastic energy into what breaks the rock and what does not (Eq. 24).

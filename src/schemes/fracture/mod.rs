@@ -7,6 +7,8 @@
 //! positive it is faster, with all of it it is Newton's method, which the solver may refuse where the
 //! tangent is indefinite; then the next ones are tried.
 
+mod block;
+mod flow;
 mod tangents;
 
 use perifrac_solvers::{
@@ -20,6 +22,8 @@ use crate::model::{Model, SolidModel};
 use crate::operators::{Answer, Damage};
 use crate::plan::{DamageMethod, DamagePlan};
 use tangents::TangentMatrix;
+
+pub use flow::FractureFlowStep;
 
 /// Iterations with damage eliminated.
 pub struct Fracture<const D: usize> {

@@ -1,0 +1,134 @@
+//! Flow where rock is broken: properties between those of rock and of a crack (Eqs. 40 to 46).
+
+use rayon::prelude::*;
+
+use super::{Coupling, FlowModel, Model, SolidModel};
+use crate::effects::aperture;
+use crate::operators::Answer;
+use crate::plan::{FractureFlowPlan, Plan, TransmissivityRule};
+
+/// Properties of the intact rock, and how they change with damage.
+#[derive(Debug, Clone)]
+pub struct FractureFlow {
+    /// What the plan says.
+    pub plan: FractureFlowPlan,
+    /// Permeability of the rock per point, m².
+    permeability: Vec<f64>,
+    /// Storage s V of the rock per point, m^D/Pa.
+    capacity: Vec<f64>,
+    /// α V of the rock per point, m^D.
+    weight: Vec<f64>,
+    /// Viscosity of the fluid in the rock, Pa s.
+    viscosity: f64,
+    /// Opening per point, m, shape `(n,)`; 0 where the rock is intact.
+    pub aperture: Vec<f64>,
+    /// Openings evaluated so far.
+    pub evaluations: u64,
+}
+
+/// Damage below the upper threshold that counts as it: damage never reaches 1.
+const NEARLY: f64 = 1e-3;
+
+impl FractureFlow {
+    /// Keeps the properties of the rock; `None` if the plan does not name flow in fractures.
+    pub(super) fn of<const D: usize>(
+        plan: &Plan,
+        flow: Option<&FlowModel<D>>,
+        coupling: Option<&Coupling>,
+        permeability: &[f64],
+    ) -> Option<Self> {
+        let (own, flow, coupling) = (plan.fracture_flow?, flow?, coupling?);
+        Some(FractureFlow {
+            plan: own,
+            permeability: permeability.to_vec(),
+            capacity: flow.capacity.clone(),
+            weight: coupling.divergence.weight.clone(),
+            viscosity: plan.fluid.viscosity,
+            aperture: vec![0.0; flow.points()],
+            evaluations: 0,
+        })
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        8 * 4 * self.aperture.len()
+    }
+
+    /// Share χ_f of a fracture at a damage (Eqs. 43 and 44).
+    pub fn share(&self, damage: f64) -> f64 {
+        let (low, high) = (self.plan.lower_threshold, self.plan.upper_threshold - NEARLY);
+        ((damage - low) / (high - low)).clamp(0.0, 1.0)
+    }
+
+    /// Permeability of a crack of an opening (m) in a band of half width `horizon` (m) in rock of
+    /// permeability `rock`, m². A closed crack conducts like the rock.
+    fn crack(&self, opening: f64, horizon: f64, rock: f64) -> f64 {
+        if let Some(given) = self.plan.permeability {
+            return given;
+        }
+        let cubic = opening * opening / 12.0;
+        rock + match self.plan.transmissivity {
+            TransmissivityRule::Paper => cubic,
+            TransmissivityRule::Cubic => cubic * opening / (2.0 * horizon),
+        }
+    }
+
+    /// Openings of all broken points.
+    fn open<const D: usize>(
+        &mut self,
+        solid: &SolidModel<D>,
+        answer: &Answer<D>,
+        displacement: &[f64],
+        walls: &[f64],
+    ) {
+        let this = &*self;
+        let broken = |i: usize| this.share(answer.damage[i]) > 0.0;
+        let at = |i: usize| match broken(i) {
+            false => 0.0,
+            true => {
+                let difference = |bond| solid.difference(displacement, walls, i, bond);
+                aperture(this.plan.aperture, &solid.elastic, answer, i, difference, broken)
+            }
+        };
+        let openings: Vec<f64> = (0..answer.damage.len()).into_par_iter().map(at).collect();
+        let evaluated = (0..openings.len()).filter(|i| broken(*i)).count();
+        self.evaluations += evaluated as u64;
+        self.aperture = openings;
+    }
+}
+
+impl<const D: usize> Model<D> {
+    /// Brings permeability, storage and Biot's coefficient to the damage and the openings of a state,
+    /// and fills L anew; nothing without flow in fractures.
+    pub fn follow_fractures(&mut self, answer: &Answer<D>, displacement: &[f64], walls: &[f64]) {
+        let Model {
+            fracture_flow: Some(fracture),
+            flow: Some(flow),
+            solid: Some(solid),
+            coupling: Some(coupling),
+            permeability,
+            cloud,
+            ..
+        } = self
+        else {
+            return;
+        };
+        fracture.open(solid, answer, displacement, walls);
+        let horizon = &solid.elastic.around.families.horizon;
+        let viscosity = fracture.plan.viscosity.unwrap_or(fracture.viscosity);
+        for i in 0..flow.points() {
+            let open = fracture.share(answer.damage[i]);
+            let mix = |rock: f64, crack: f64| rock + open * (crack - rock);
+            let (rock, volume) = (fracture.permeability[i], cloud.volume[i]);
+            let crack = fracture.crack(fracture.aperture[i], horizon[i], rock);
+            permeability[i] = mix(rock, crack);
+            flow.mobility[i] = permeability[i] / mix(fracture.viscosity, viscosity);
+            let stored = fracture.plan.storage.map_or(fracture.capacity[i], |s| s * volume);
+            flow.capacity[i] = mix(fracture.capacity[i], stored);
+            let weight = fracture.plan.biot_coefficient * volume;
+            coupling.divergence.weight[i] = mix(fracture.weight[i], weight);
+        }
+        flow.refill();
+        flow.follow_walls();
+    }
+}

@@ -1,0 +1,397 @@
+//! Backward Euler steps in which rock breaks, fluid flows in what is broken, and both are solved
+//! together.
+//!
+//! For the coefficients of flow as they are the pressure is eliminated exactly: with
+//! M = S + Δt L and M p = b − Q(u − u₀) the displacement minimises
+//!
+//!   E(u) − f·u + ½ pᵀ M p,
+//!
+//! whose derivative is the force out of balance at that pressure. Every pass brings coefficients and
+//! pressure to the displacement, and walks down this potential along the solution of the coupled
+//! linear system. It ends when forces balance at coefficients and pressure that belong to the
+//! displacement itself, so the residual covers damage, opening, permeability and mass alike.
+
+use perifrac_solvers::{
+    Coordinates, LinearSolver, NearNullspace, Problem, SolverSpec, Symmetry, dot, multiply,
+};
+
+use super::block::FractureBlock;
+use super::tangents::TangentMatrix;
+use crate::material::Softening;
+use crate::model::Model;
+use crate::operators::Answer;
+use crate::plan::{DamageMethod, DamagePlan, Plan};
+use crate::schemes::quasi_static::{advance, growth};
+use crate::schemes::solid::{Chosen, build_solver, ratio};
+use crate::schemes::{
+    ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
+    solid_of,
+};
+
+/// Flow and fracture together.
+pub struct FractureFlowStep<const D: usize> {
+    solver: Box<dyn LinearSolver>,
+    chosen: Chosen,
+    block: FractureBlock,
+    flow: ImplicitSystem,
+    tangent: TangentMatrix<D>,
+    plan: DamagePlan,
+    name: String,
+    /// Largest forces so far, N.
+    largest: f64,
+    passes: u64,
+    searches: u64,
+    products: u64,
+}
+
+/// Residual of the coupled linear systems. A crack that is full answers to a wrong volume with a
+/// pressure that is wrong by the ratio of its compliance to that of the fluid.
+const FORCING: f64 = 1e-8;
+const REMEMBERED: f64 = 1e-2;
+const SUFFICIENT: f64 = 1e-4;
+const MOST_CUTS: usize = 10;
+
+/// Pressure and displacement with what they leave out of balance.
+struct Trial<const D: usize> {
+    answer: Answer<D>,
+    /// Forces out of balance, N.
+    force: Vec<f64>,
+    /// Σ of the absolute forces, N.
+    scale: f64,
+}
+
+/// A straight way from a balanced pressure to another.
+struct Way {
+    displacement: Vec<f64>,
+    pressure: Vec<f64>,
+    /// Slope and half the curvature of ½ pᵀMp along it.
+    bend: [f64; 2],
+}
+
+impl<const D: usize> FractureFlowStep<D> {
+    /// Chooses and analyses the solvers once.
+    ///
+    /// # Errors
+    /// [`StepError`] if a solver is refused, or if the scene has what this scheme cannot do.
+    pub fn new(plan: &Plan, damage: DamagePlan, model: &Model<D>) -> Result<Self, StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        if !solid.walls.is_empty() {
+            return Err(refused("sides do not move in it; use roller, clamped or traction"));
+        }
+        if plan.gravity.is_some() {
+            return Err(refused("gravity does not act in it yet; leave [gravity] out"));
+        }
+        if !flow.stabilisation.is_empty() {
+            return Err(refused("it has no stabilisation; set coupling.stabilisation = 0"));
+        }
+        let block = FractureBlock::new(flow, solid, coupling)?;
+        let coordinates = model.cloud.flat_positions();
+        let square = block.layout.scale * block.layout.scale;
+        let schur: Vec<f64> = coupling.fixed_stress.iter().map(|b| square * b).collect();
+        let problem = Problem {
+            solves: 1,
+            contrast: ratio(flow.mobility.iter().copied()),
+            coordinates: Some(Coordinates {
+                dimension: D,
+                values: &coordinates,
+            }),
+            near_nullspace: NearNullspace::RigidModes,
+            schur_diagonal: Some(&schur),
+            ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
+        };
+        let demand = plan.fracture_demand();
+        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let part = perifrac_solvers::Demand {
+            spec: part_of(&demand.spec)?,
+            ..demand
+        };
+        Ok(FractureFlowStep {
+            solver,
+            chosen,
+            block,
+            flow: ImplicitSystem::new(&part, flow)?,
+            tangent: TangentMatrix::new(solid),
+            plan: damage,
+            name: "monolithic (backward-euler, damage)".to_owned(),
+            largest: 0.0,
+            passes: 0,
+            searches: 0,
+            products: 0,
+        })
+    }
+
+    fn evaluate(&mut self, model: &Model<D>, state: &State) -> Result<Trial<D>, StepError> {
+        let solid = solid_of(model)?;
+        let answer = solid
+            .answer(&state.displacement, &state.walls, &state.history)
+            .ok_or(StepError::Missing { part: "[damage]" })?;
+        let mut force = model.push(state.time, &state.pressure);
+        let scale = force.iter().map(|f| f.abs()).sum();
+        solid.subtract_answer(&answer, &mut force);
+        self.searches += 1;
+        Ok(Trial { answer, force, scale })
+    }
+
+    /// What the pores must still take up over the step, m^D; zero where the pressure is prescribed.
+    fn shortfall(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        state: &State,
+        dt: f64,
+    ) -> Result<Vec<f64>, StepError> {
+        let flow = flow_of(model)?;
+        let mut left = vec![0.0; flow.points()];
+        flow.imbalance(state.time, &state.pressure, &mut left);
+        self.products += 1;
+        let taken = taken(model, old, state)?;
+        for (i, left) in left.iter_mut().enumerate() {
+            *left = match self.block.is_fixed[i] {
+                true => 0.0,
+                false => dt * *left - taken[i],
+            };
+        }
+        Ok(left)
+    }
+
+    /// Brings the pressure to the displacement.
+    fn balance(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        state: &mut State,
+        dt: f64,
+    ) -> Result<usize, StepError> {
+        let flow = flow_of(model)?;
+        let left = self.shortfall(model, old, state, dt)?;
+        self.flow.forget(flow);
+        self.flow.prepare(flow, &flow.capacity, dt, &[])?;
+        let mut change = vec![0.0; left.len()];
+        let iterations = self.flow.solve(flow, &left, &mut change)?;
+        state.pressure.iter_mut().zip(&change).for_each(|(p, c)| *p += c);
+        Ok(iterations)
+    }
+
+    /// Direction in which the potential falls; the pressure is balanced at its start.
+    fn direction(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+        at: &Trial<D>,
+        dt: f64,
+        report: &mut StepReport,
+    ) -> Result<Way, StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let Some(damage) = &solid.damage else {
+            return Err(StepError::Missing { part: "[damage]" });
+        };
+        let softening = match self.plan.method {
+            DamageMethod::Alternate => Softening::Fixed,
+            _ => Softening::Bounded,
+        };
+        self.tangent.update(solid, damage, &state.history, &at.answer, softening);
+        let stiffness = self.tangent.matrix.data();
+        self.block.fill(stiffness, solid, flow, coupling, dt);
+        let matrix = self.block.matrix.view();
+        self.solver.refresh(matrix)?;
+        let (width, scale) = (D + 1, self.block.layout.scale);
+        let mut rhs = vec![0.0; self.block.matrix.rows()];
+        for (point, force) in at.force.chunks(D).enumerate() {
+            rhs[point * width..][..D].copy_from_slice(force);
+        }
+        let mut x = vec![0.0; rhs.len()];
+        report.iterations += self.solver.solve_to(matrix, &rhs, &mut x, FORCING)?.iterations;
+        let points = state.pressure.len();
+        let displacement = (0..points).flat_map(|i| x[i * width..][..D].to_vec()).collect();
+        let pressure: Vec<f64> = (0..points).map(|i| scale * x[i * width + D]).collect();
+        let product = |p: &[f64]| {
+            let free = |i: usize| if self.block.is_fixed[i] { 0.0 } else { p[i] };
+            let free: Vec<f64> = (0..p.len()).map(free).collect();
+            let mut result = vec![0.0; p.len()];
+            multiply(flow.matrix(), &free, &mut result);
+            let terms = result.iter().zip(&flow.capacity).zip(&free);
+            terms.map(|((l, s), p)| dt * l + s * p).collect::<Vec<f64>>()
+        };
+        let along = product(&pressure);
+        let bend = [dot(&along, &state.pressure), 0.5 * dot(&along, &pressure)];
+        Ok(Way { displacement, pressure, bend })
+    }
+
+    /// Walks along a way until the potential has fallen enough; `None` if it does not.
+    fn search(
+        &mut self,
+        model: &Model<D>,
+        state: &mut State,
+        at: &Trial<D>,
+        way: &Way,
+    ) -> Result<Option<Trial<D>>, StepError> {
+        let external = self.external(model, state);
+        let (start, balanced) = (state.displacement.clone(), state.pressure.clone());
+        let slope = dot(&at.force, &way.displacement);
+        let work = dot(&external, &way.displacement);
+        let damage = &at.answer.damage;
+        let high = at.answer.energy(damage);
+        let rounding = 1e-13 * high.abs();
+        let mut length = 1.0;
+        for _ in 0..MOST_CUTS {
+            let step = |to: &mut Vec<f64>, from: &[f64], by: &[f64]| {
+                to.clear();
+                to.extend(from.iter().zip(by).map(|(from, by)| from + length * by));
+            };
+            step(&mut state.displacement, &start, &way.displacement);
+            step(&mut state.pressure, &balanced, &way.pressure);
+            let next = self.evaluate(model, state)?;
+            let flow = length * (way.bend[0] + length * way.bend[1]);
+            let fallen = high - next.answer.energy(damage) + length * work - flow;
+            if fallen >= SUFFICIENT * length * slope - rounding {
+                return Ok(Some(next));
+            }
+            let bent = 2.0 * (slope * length - fallen);
+            let best = if bent > 0.0 { slope * length / bent } else { 0.5 };
+            length *= best.clamp(0.1, 0.5);
+        }
+        state.displacement = start;
+        state.pressure = balanced;
+        Ok(None)
+    }
+
+    /// Loads, and the push of prescribed pressures.
+    fn external(&self, model: &Model<D>, state: &State) -> Vec<f64> {
+        let prescribed = |i: usize| if self.block.is_fixed[i] { state.pressure[i] } else { 0.0 };
+        let pressure: Vec<f64> = (0..state.pressure.len()).map(prescribed).collect();
+        model.push(state.time, &pressure)
+    }
+
+    /// Passes until forces balance.
+    fn solve(
+        &mut self,
+        model: &mut Model<D>,
+        old: &State,
+        dt: f64,
+        state: &mut State,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        flow_of(model)?.fix_values(state.time, &mut state.pressure);
+        let mut found = self.evaluate(model, state)?;
+        let mut best = f64::INFINITY;
+        for pass in 0..=self.plan.iterations {
+            model.follow_fractures(&found.answer, &state.displacement, &state.walls);
+            report.iterations += self.balance(model, old, state, dt)?;
+            let at = self.evaluate(model, state)?;
+            self.largest = self.largest.max(at.scale);
+            let scale = at.scale.max(REMEMBERED * self.largest);
+            let left: f64 = at.force.iter().map(|f| f.abs()).sum();
+            if !left.is_finite() {
+                return Err(StepError::NotFinite { field: "force", point: 0, time: state.time });
+            }
+            if std::env::var("DBG").is_ok() {
+                eprintln!("  pass {pass} imb {:.3e} p {:.4e} broken {}", left / scale, state.pressure.iter().fold(0.0_f64, |m, p| m.max(*p)), at.answer.damage.iter().filter(|d| **d > 0.9).count());
+            }
+            if left <= self.plan.tolerance * scale {
+                return Ok(());
+            }
+            best = best.min(left / scale);
+            if pass == self.plan.iterations {
+                break;
+            }
+            let way = self.direction(model, state, &at, dt, report)?;
+            self.passes += 1;
+            match self.search(model, state, &at, &way)? {
+                Some(next) => found = next,
+                None => break,
+            }
+        }
+        Err(StepError::NotBroken {
+            time: state.time,
+            residual: best,
+            tolerance: self.plan.tolerance,
+            iterations: self.passes as usize,
+        })
+    }
+}
+
+/// Solver of flow alone: multigrid and direct solvers suit it as they suit the whole, Schur
+/// complements do not.
+fn part_of(spec: &SolverSpec) -> Result<SolverSpec, StepError> {
+    Ok(match spec.to_string().contains("schur") {
+        true => "auto".parse::<SolverSpec>()?,
+        false => spec.clone(),
+    })
+}
+
+fn refused(reason: &'static str) -> StepError {
+    StepError::Refused { scheme: "flow in fractures", reason }
+}
+
+/// What the pores took up since `old`, at the coefficients of now, m^D.
+fn taken<const D: usize>(
+    model: &Model<D>,
+    old: &State,
+    state: &State,
+) -> Result<Vec<f64>, StepError> {
+    let flow = flow_of(model)?;
+    let step = state.since(old);
+    let mut taken = model.content(&step.displacement, &step.walls);
+    for (i, taken) in taken.iter_mut().enumerate() {
+        *taken += flow.capacity[i] * step.pressure[i];
+    }
+    Ok(taken)
+}
+
+impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn local_order(&self) -> f64 {
+        2.0
+    }
+
+    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+        let old = state.clone();
+        self.solve(model, &old, 0.0, state, &mut StepReport::default())?;
+        advance(model, state);
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        model: &mut Model<D>,
+        old: &State,
+        dt: f64,
+        trial: &mut State,
+    ) -> Result<StepReport, StepError> {
+        let mut report = StepReport::default();
+        trial.clone_from(old);
+        trial.time = old.time + dt;
+        self.solve(model, old, dt, trial, &mut report)?;
+        trial.check()?;
+        let flow = flow_of(model)?;
+        let mut imbalance = vec![0.0; flow.points()];
+        flow.imbalance(trial.time, &trial.pressure, &mut imbalance);
+        let taken = taken(model, old, trial)?;
+        let mut flows = flow.flows(&trial.pressure, trial.time);
+        flows.fixed = flow.fixed_inflow(&imbalance);
+        report.flows.add(dt, &flows);
+        report.flows.fixed += flow.fixed.iter().map(|fixed| taken[fixed.point]).sum::<f64>();
+        report.stored = Some(taken.iter().sum());
+        advance(model, trial);
+        report.growth = growth(model, old, trial);
+        Ok(report)
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        SchemeCounters {
+            products: self.products,
+            solver: self.solver.counters().clone(),
+            coupling_iterations: self.passes,
+            searches: self.searches,
+            refilled_families: self.tangent.refilled,
+            ..SchemeCounters::default()
+        }
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        Some(self.chosen.clone())
+    }
+}
