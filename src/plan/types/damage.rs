@@ -37,6 +37,17 @@ pub enum EnergySplit {
     None,
 }
 
+impl EnergySplit {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            EnergySplit::Spectral => "spectral",
+            EnergySplit::VolumetricDeviatoric => "volumetric-deviatoric",
+            EnergySplit::None => "none",
+        }
+    }
+}
+
 /// Ways to equilibrium with damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -47,6 +58,17 @@ pub enum DamageMethod {
     Newton,
     /// Displacement at fixed damage, then damage.
     Alternate,
+}
+
+impl DamageMethod {
+    /// The iterations, in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            DamageMethod::Auto => "newton or alternate",
+            DamageMethod::Newton => "newton",
+            DamageMethod::Alternate => "alternate",
+        }
+    }
 }
 
 /// Flow in what is broken (Eqs. 40 to 46).
@@ -80,6 +102,16 @@ pub enum ApertureRule {
     Mean,
 }
 
+impl ApertureRule {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            ApertureRule::Normal => "normal",
+            ApertureRule::Mean => "mean",
+        }
+    }
+}
+
 /// What the permeability of a crack stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -88,4 +120,14 @@ pub enum TransmissivityRule {
     Cubic,
     /// w²/12 in the whole band, as printed.
     Paper,
+}
+
+impl TransmissivityRule {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            TransmissivityRule::Cubic => "cubic",
+            TransmissivityRule::Paper => "paper",
+        }
+    }
 }
