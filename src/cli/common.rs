@@ -135,7 +135,7 @@ impl Planned {
             ModelError::Geometry(_) => Some(horizon),
             ModelError::CrackThroughPoint { name, .. }
             | ModelError::CrackAtBoundary { name, .. } => {
-                scene.cracks.get(name).map(|crack| crack.points.span)
+                scene.cracks.get(name).map(scene::Crack::span)
             }
             ModelError::EmptyRegion { material: name } => {
                 material(name)?.region.as_ref().map(|region| region.span)

@@ -3,7 +3,7 @@
 use super::{Reason, reason};
 use crate::geometry::Side;
 use crate::model::Sample;
-use crate::plan::{CrackPlan, Load, MechanicsPlan, OperatorChoice, Plan, Support};
+use crate::plan::{CrackKind, CrackPlan, Load, MechanicsPlan, OperatorChoice, Plan, Support};
 
 /// Effects of the plan and what in the scene calls for them.
 pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
@@ -34,6 +34,7 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
         effects.extend(sides(mechanics, plan.dimension));
         effects.extend(forces(plan, mechanics));
         effects.extend(cracks(plan));
+        effects.extend(damage(plan));
     }
     if let Some(coupling) = &plan.coupling {
         let start = match coupling.undrained_start {
@@ -42,6 +43,7 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
         };
         effects.push(reason("coupling", format!("[coupling] is there, {start}")));
     }
+    effects.extend(fracture_flow(plan));
     effects
 }
 
@@ -72,24 +74,57 @@ fn sides(mechanics: &MechanicsPlan, dimension: usize) -> Vec<Reason> {
         .collect()
 }
 
-/// Cracks, and what presses on their faces.
+/// Names of the cracks that are wanted.
+fn names(plan: &Plan, wanted: impl Fn(&CrackPlan) -> bool) -> Option<String> {
+    let cracks = plan.cracks.iter().filter(|crack| wanted(crack));
+    let names: Vec<&str> = cracks.map(|crack| crack.name.as_str()).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// Cracks by their kind, and what presses on their faces.
 fn cracks(plan: &Plan) -> Vec<Reason> {
-    let names = |wanted: fn(&&CrackPlan) -> bool| -> Vec<&str> {
-        let cracks = plan.cracks.iter().filter(wanted);
-        cracks.map(|crack| crack.name.as_str()).collect()
+    let cut = names(plan, |crack| crack.kind == CrackKind::Cut);
+    let damaged = names(plan, |crack| crack.kind == CrackKind::Damaged);
+    // In a fluid zero is a pressure like any other.
+    let pressed = |load: &Load| plan.flow.is_some() || acts(load);
+    let pressed = names(plan, |crack| crack.pressure.as_ref().is_some_and(pressed));
+    let pressure = match plan.flow {
+        Some(_) => "the pressure of the fluid is prescribed in",
+        None => "there is a pressure in",
     };
-    let all = names(|_| true);
-    let pressed = names(|crack| crack.pressure.as_ref().is_some_and(acts));
-    let mut reasons = Vec::new();
-    if !all.is_empty() {
-        let why = format!("[cracks] names {}", all.join(", "));
-        reasons.push(reason("cracks", why));
-    }
-    if !pressed.is_empty() {
-        let why = format!("there is a pressure in {}", pressed.join(", "));
-        reasons.push(reason("crack-pressure", why));
-    }
-    reasons
+    [
+        ("cracks", "[cracks] names", cut),
+        ("damaged-cracks", "[cracks] names, as damaged,", damaged),
+        ("crack-pressure", pressure, pressed),
+    ]
+    .into_iter()
+    .filter_map(|(name, why, cracks)| Some(reason(name, format!("{why} {}", cracks?))))
+    .collect()
+}
+
+/// Breaking of the rock.
+fn damage(plan: &Plan) -> Option<Reason> {
+    let damage = plan.damage.as_ref()?;
+    let normalised = if damage.normalise { ", normalised" } else { "" };
+    let split = damage.split.name();
+    let why = format!("[damage] is there, split {split}{normalised}");
+    Some(reason("damage", why))
+}
+
+/// Flow in what is broken, and fluid that is pumped into it.
+fn fracture_flow(plan: &Plan) -> Vec<Reason> {
+    let flow = plan.fracture_flow.as_ref().map(|flow| {
+        let rules = (flow.aperture.name(), flow.transmissivity.name());
+        let why = format!(
+            "[fracture_flow] is there, aperture {}, transmissivity {}",
+            rules.0, rules.1
+        );
+        reason("fracture-flow", why)
+    });
+    let injected = names(plan, |crack| crack.injection.is_some());
+    let injection =
+        injected.map(|cracks| reason("injection", format!("there is an injection into {cracks}")));
+    flow.into_iter().chain(injection).collect()
 }
 
 /// Loads on parts of sides, and forces inside.

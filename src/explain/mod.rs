@@ -11,8 +11,8 @@ mod text;
 
 use serde::Serialize;
 
-use crate::model::{ModelError, sample};
-use crate::plan::Plan;
+use crate::model::{ModelError, Sample, sample};
+use crate::plan::{Plan, damage_width, width_warning};
 use size::System;
 
 /// The explanation of a plan; printed as text or JSON.
@@ -164,8 +164,15 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         solver: scheme::solver(plan, &sample),
         limits: limits::limits(plan, &sample),
         numbers: numbers::numbers(plan, &sample),
-        warnings: plan.warnings.clone(),
+        warnings: warnings(plan, &sample),
     })
+}
+
+/// Doubts of the plan, and those that need the cloud.
+fn warnings(plan: &Plan, sample: &Sample) -> Vec<String> {
+    let width = (plan.damage.as_ref())
+        .and_then(|damage| width_warning(damage_width(sample.horizon[1], damage), damage));
+    plan.warnings.iter().cloned().chain(width).collect()
 }
 
 fn reason(name: impl Into<String>, why: impl Into<String>) -> Reason {

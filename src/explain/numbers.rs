@@ -2,7 +2,7 @@
 
 use super::Number;
 use crate::model::{CoupledSample, FlowSample, Sample};
-use crate::plan::{Plan, TimeMode};
+use crate::plan::{DamagePlan, MaterialPlan, Plan, TimeMode, damage_width};
 
 /// Poisson's ratio above which the rock counts as nearly incompressible.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
@@ -36,11 +36,62 @@ pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
             "the largest: nearly incompressible",
         ));
     }
+    if let Some(damage) = &plan.damage {
+        numbers.extend(fracture(plan, damage, sample.horizon[1]));
+    }
     if let (Some(flow), TimeMode::Transient) = (&sample.flow, plan.time.mode) {
         numbers.extend(transient(plan, sample, flow));
         numbers.extend(sample.coupling.iter().flat_map(coupled));
     }
     numbers
+}
+
+/// What it takes to break the rock, where the horizon is `delta` m.
+fn fracture(plan: &Plan, damage: &DamagePlan, delta: f64) -> Vec<Number> {
+    let width = damage_width(delta, damage);
+    let meaning = "width of a crack over the length scale of damage, at the largest horizon";
+    let strengths = |material: &MaterialPlan| {
+        let own = strength(material, damage, width);
+        own.into_iter().flatten()
+    };
+    std::iter::once(number("2δ/ℓ", width, meaning))
+        .chain(plan.materials.iter().flat_map(strengths))
+        .collect()
+}
+
+/// Energy per area of a crack, and the peak of a bar that is drawn.
+fn strength(material: &MaterialPlan, damage: &DamagePlan, width: f64) -> Option<[Number; 3]> {
+    let modulus = material.elasticity?.youngs_modulus;
+    // What the length scale spreads; a crack as wide as 2δ takes 2δ/ℓ of it.
+    let spread = match damage.normalise {
+        true => material.fracture_energy? / width,
+        false => material.fracture_energy?,
+    };
+    let strain = (2.0 * spread / (3.0 * modulus * damage.length_scale)).sqrt();
+    // (3√3/16) √(2 E G_c/ℓ), the stress at that strain.
+    let stress = 9.0 / 16.0 * modulus * strain;
+    let energy = if damage.normalise {
+        "what a crack takes, J/m²: G_c, as damage.normalise = true"
+    } else {
+        "what a crack takes, J/m²: G_c · 2δ/ℓ"
+    };
+    let named = |what: &str, value, meaning| {
+        let name = format!("{what} of {}", material.name);
+        number(&name, value, meaning)
+    };
+    Some([
+        named("effective fracture energy", spread * width, energy),
+        named(
+            "critical stress σ_c",
+            stress,
+            "largest stress of a bar that is drawn, Pa: (3√3/16) √(2 E G_c/ℓ)",
+        ),
+        named(
+            "critical strain ε_c",
+            strain,
+            "strain at the largest stress: √(2 G_c/(3 E ℓ))",
+        ),
+    ])
 }
 
 fn transient(plan: &Plan, sample: &Sample, flow: &FlowSample) -> [Number; 2] {

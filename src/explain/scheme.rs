@@ -10,7 +10,14 @@ use crate::plan::{Plan, SchemeChoice, SolidMethod, StepRule, TimeMode};
 /// The scheme and the rule of its steps.
 pub(super) fn scheme(plan: &Plan) -> Reason {
     if plan.time.mode == TimeMode::Steady {
-        return reason("steady", "time.mode = \"steady\": one solve, no time loop");
+        let how = match &plan.damage {
+            None => "one solve, no time loop".to_owned(),
+            Some(damage) => format!(
+                "one equilibrium with damage ({}), no time loop",
+                damage.method.name()
+            ),
+        };
+        return reason("steady", format!("time.mode = \"steady\": {how}"));
     }
     let steps = steps(plan);
     match &plan.mechanics {
@@ -18,7 +25,11 @@ pub(super) fn scheme(plan: &Plan) -> Reason {
         Some(mechanics) if mechanics.inertia => reason(dynamic(plan), steps),
         Some(_) if plan.flow.is_none() => {
             let name = format!("quasi-static ({})", solid(plan));
-            reason(name, format!("equilibrium after each step, {steps}"))
+            let damage = plan.damage.map_or("", |_| " with damage");
+            reason(
+                name,
+                format!("equilibrium{damage} after each step, {steps}"),
+            )
         }
         Some(_) => coupled(plan, &steps),
     }
@@ -51,11 +62,17 @@ fn coupled(plan: &Plan, steps: &str) -> Reason {
             "flow and solid in one system",
         ),
     };
-    reason(name, format!("{how}, {steps}"))
+    let damage = plan.damage.map_or(String::new(), |damage| {
+        format!("damage by {}, ", damage.method.name())
+    });
+    reason(name, format!("{how}, {damage}{steps}"))
 }
 
 /// How the solid comes to rest.
 fn solid(plan: &Plan) -> &'static str {
+    if let Some(damage) = &plan.damage {
+        return damage.method.name();
+    }
     match (plan.scheme, plan.scheme_options.solid) {
         (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Verlet) => "verlet",
         (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Adr) => "adr",
@@ -67,6 +84,17 @@ fn solid(plan: &Plan) -> &'static str {
 }
 
 fn steps(plan: &Plan) -> String {
+    let steps = undamaged_steps(plan);
+    match (plan.time.step, &plan.damage) {
+        (StepRule::Adaptive, Some(damage)) => format!(
+            "{steps}, cut where damage grows by more than {} in one",
+            damage.largest_increment
+        ),
+        _ => steps,
+    }
+}
+
+fn undamaged_steps(plan: &Plan) -> String {
     let inertia = (plan.mechanics.as_ref()).is_some_and(|mechanics| mechanics.inertia);
     let at_rest = plan.flow.is_none() && !inertia;
     match plan.time.step {

@@ -5,6 +5,7 @@ mod exact;
 mod files;
 mod resolve;
 mod types;
+mod width;
 
 pub use crate::load::Load;
 pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
@@ -13,8 +14,9 @@ pub use resolve::resolve;
 pub use types::{
     Acceleration, ApertureRule, CouplingPlan, CrackKind, CrackPlace, CrackPlan, DamageMethod,
     DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan, GradientChoice,
-    GravityPlan, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan,
-    PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
-    SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StepRule, Support, TimeMode, TimePlan,
-    TractionPlan, TransmissivityRule, WellPlan,
+    GravityPlan, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice,
+    OutputPlan, PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan,
+    RegionPressure, SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StepRule, Support,
+    TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
 };
+pub use width::{damage_width, width_warning};

@@ -9,8 +9,8 @@ use serde::Deserialize;
 use super::Scene;
 use super::diagnostics::Diagnostic;
 use super::sections::{
-    Coupling, Crack, Flow, Fluid, Geometry, Gravity, Horizon, Material, Mechanics, Output,
-    Reference, Scheme, Solver, TimeControl, Well,
+    Coupling, Crack, Damage, Flow, Fluid, FractureFlow, Geometry, Gravity, Horizon, Material,
+    Mechanics, Output, Reference, Scheme, Solver, TimeControl, Well,
 };
 use super::span::{Named, Spanned};
 use super::validate::{Context, Report, Section};
@@ -43,6 +43,10 @@ pub(super) struct Draft {
     pub mechanics: Option<Spanned<Mechanics>>,
     /// The ways between pressure and strain; needed where there are both.
     pub coupling: Option<Spanned<Coupling>>,
+    /// Breaking of the rock; acts if present.
+    pub damage: Option<Spanned<Damage>>,
+    /// Flow in what is broken; acts if present.
+    pub fracture_flow: Option<Spanned<FractureFlow>>,
     /// Cracks that are there from the start.
     pub cracks: Option<Spanned<Named<Crack>>>,
     /// Sources and sinks at points; act if present.
@@ -76,6 +80,8 @@ impl Draft {
         check(&self.flow, scene, &mut report);
         check(&self.mechanics, scene, &mut report);
         check(&self.coupling, scene, &mut report);
+        check(&self.damage, scene, &mut report);
+        check(&self.fracture_flow, scene, &mut report);
         check(&self.cracks, scene, &mut report);
         check(&self.wells, scene, &mut report);
         check(&self.time, scene, &mut report);
@@ -142,6 +148,8 @@ impl Draft {
             flow: self.flow,
             mechanics: self.mechanics,
             coupling: self.coupling,
+            damage: self.damage,
+            fracture_flow: self.fracture_flow,
             cracks: self.cracks.unwrap_or_default().value,
             wells: self.wells.unwrap_or_default().value,
             time: self.time?,

@@ -67,6 +67,10 @@ pub struct Scene {
     pub mechanics: Option<Spanned<Mechanics>>,
     /// How flow and deformation feel each other; always there if there are both.
     pub coupling: Option<Spanned<Coupling>>,
+    /// Breaking of the rock, if it is computed.
+    pub damage: Option<Spanned<Damage>>,
+    /// Flow in what is broken, if it is computed.
+    pub fracture_flow: Option<Spanned<FractureFlow>>,
     /// Cracks that are there from the start, in the order of the file.
     pub cracks: Named<Crack>,
     /// Sources and sinks at points, in the order of the file.

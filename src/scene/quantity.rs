@@ -137,6 +137,8 @@ dimensions! {
     ForceDensity, "a force per volume", "N/m^3", "25 kN/m^3", [-2, 1, -2];
     /// A force, N, or N/m per metre of thickness in two dimensions.
     Force, "a force", "N", "10 kN", [1, 1, -2] [0, 1, -2];
+    /// An energy per area (fracture energy), J/m².
+    FractureEnergy, "an energy per area", "J/m^2", "100 J/m^2", [0, 1, -2];
     /// An acceleration, m/s².
     Acceleration, "an acceleration", "m/s^2", "9.81 m/s^2", [1, 0, -2];
     /// A volume rate, m³/s, or m²/s per metre of thickness in two dimensions.

@@ -40,6 +40,8 @@ mod tests {
             "flow",
             "mechanics",
             "coupling",
+            "damage",
+            "fracture_flow",
             "cracks",
             "wells",
             "time",

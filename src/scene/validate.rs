@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use super::diagnostics::Diagnostic;
 use super::draft::Draft;
 use super::load::Load;
-use super::quantity::{Dimension, Length, Quantity, values};
+use super::quantity::{Dimension, Length, Number, Quantity, values};
 use super::sections::Bounds;
 use super::shape::Shape;
 use super::span::{Named, Span, Spanned};
@@ -95,6 +95,23 @@ impl Report {
             let [low, high, found] = [low, high, q.value()].map(short);
             let message = format!("`{name}` must lie between {low} and {high}, found {found}");
             self.add(Diagnostic::new(message).at(q.span()));
+        }
+    }
+
+    /// Above 0, up to 1.
+    pub fn share(&mut self, name: &str, number: Number) {
+        self.positive(name, number);
+        if number.value() > 1.0 {
+            let fault = Diagnostic::new(format!("`{name}` must not be above 1"));
+            self.add(fault.at(number.span()));
+        }
+    }
+
+    /// Other sections without which `section` has no meaning, and whether they were typed.
+    pub fn needs(&mut self, section: &str, place: Span, others: &[(&str, bool)]) {
+        for (other, _) in others.iter().filter(|(_, typed)| !typed) {
+            let fault = Diagnostic::new(format!("{section} needs {other}")).at(place);
+            self.add(fault.help(format!("add {other}, or leave {section} out")));
         }
     }
 

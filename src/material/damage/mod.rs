@@ -30,6 +30,17 @@ pub enum EnergySplit {
     None,
 }
 
+impl EnergySplit {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            EnergySplit::Spectral => "spectral",
+            EnergySplit::VolumetricDeviatoric => "volumetric-deviatoric",
+            EnergySplit::None => "none",
+        }
+    }
+}
+
 /// The law of damage, the same at all points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamageLaw<const D: usize> {

@@ -28,9 +28,10 @@ pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
 }
 
 pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
-    let integrator = match scene.time.integrator {
-        scene::Integrator::TrBdf2 => Integrator::TrBdf2,
-        scene::Integrator::BackwardEuler => Integrator::BackwardEuler,
+    // Coefficients of fractures change within a step, which stages of higher order do not bear.
+    let integrator = match scene.time.integrator.value {
+        scene::Integrator::TrBdf2 if scene.fracture_flow.is_none() => Integrator::TrBdf2,
+        _ => Integrator::BackwardEuler,
     };
     match scene.scheme.name.value {
         scene::SchemeName::Explicit => SchemeChoice::Explicit,

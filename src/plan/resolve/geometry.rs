@@ -108,8 +108,8 @@ fn segment(segment: &scene::Segment) -> Segment {
     }
 }
 
-pub(super) fn horizon(horizon: &scene::Horizon) -> Horizon {
-    match horizon.size() {
+pub(super) fn horizon(scene: &scene::Scene) -> Horizon {
+    match scene.horizon.size(scene.damage.as_deref()) {
         scene::HorizonSize::Neighbours(count) => Horizon::Neighbours(count),
         scene::HorizonSize::Radius(radius) => Horizon::Radius(radius),
         scene::HorizonSize::Ratio(ratio) => Horizon::Ratio(ratio),

@@ -24,7 +24,7 @@ impl Resolver<'_> {
             elasticity: elasticity(material),
             biot_coefficient: material.biot_coefficient.map(|value| value.value()),
             density: material.density.map(|value| value.value()),
-            fracture_energy: None,
+            fracture_energy: material.fracture_energy.map(|value| value.value()),
         })
     }
 

@@ -3,9 +3,7 @@
 use super::Resolver;
 use super::flow::gradient;
 use crate::load::Load;
-use crate::plan::types::{
-    CouplingPlan, CrackKind, CrackPlace, CrackPlan, GradientChoice, MechanicsPlan, Support, TractionPlan,
-};
+use crate::plan::types::{CouplingPlan, GradientChoice, MechanicsPlan, Support, TractionPlan};
 use crate::scene::quantity::{Dimension, values};
 use crate::scene::{self, Coupling, Mechanics};
 
@@ -44,39 +42,22 @@ impl Resolver<'_> {
 
     /// The faces of a crack are no layer that the divergence-consistent gradient knows.
     fn solid_gradient(&mut self, mechanics: &Mechanics) -> Option<GradientChoice> {
+        let scene = &self.loaded.scene;
         let chosen = gradient(mechanics.gradient.value);
-        if self.loaded.scene.cracks.is_empty() {
-            return Some(chosen);
+        let broken = match &scene.damage {
+            Some(_) => "[damage]",
+            None if !scene.cracks.is_empty() => "[cracks]",
+            None => return Some(chosen),
+        };
+        if chosen != GradientChoice::DivergenceConsistent {
+            return Some(GradientChoice::Plain);
         }
-        match chosen {
-            GradientChoice::DivergenceConsistent => self.fault(
-                mechanics.gradient.span,
-                "the divergence-consistent gradient does not go together with [cracks]; set \
-                 gradient = \"plain\"",
-            ),
-            _ => Some(GradientChoice::Plain),
-        }
+        let message = format!(
+            "the divergence-consistent gradient does not go together with {broken}; set gradient \
+             = \"plain\""
+        );
+        self.fault(mechanics.gradient.span, message)
     }
-
-    /// Points from a file tell the dimension only now.
-    pub(super) fn check_cracks(&mut self, dimension: usize) {
-        let cracks = &self.loaded.scene.cracks;
-        if let (3, Some(crack)) = (dimension, cracks.iter().next()) {
-            let message = "[cracks] are for planes; in three dimensions there are none yet";
-            self.fault::<()>(crack.value.points.span, message);
-        }
-    }
-}
-
-pub(super) fn cracks(scene: &scene::Scene) -> Vec<CrackPlan> {
-    let crack = |entry: &scene::Entry<scene::Crack>| CrackPlan {
-        name: entry.name.clone(),
-        kind: CrackKind::Cut,
-        place: CrackPlace::Chain(entry.value.resolved()),
-        pressure: entry.value.pressure.as_ref().map(scene::Load::resolved),
-        injection: None,
-    };
-    scene.cracks.iter().map(crack).collect()
 }
 
 pub(super) fn coupling(coupling: &Coupling) -> CouplingPlan {

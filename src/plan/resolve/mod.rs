@@ -3,6 +3,7 @@
 
 mod control;
 mod flow;
+mod fracture;
 mod geometry;
 mod materials;
 mod mechanics;
@@ -61,24 +62,28 @@ impl Resolver<'_> {
             None => None,
         };
         self.check_cracks(dimension);
+        let time = control::time(&scene.time);
         let mut plan = Plan {
             case: case.to_owned(),
             title: scene.title.clone(),
             dimension,
             geometry,
-            horizon: geometry::horizon(&scene.horizon),
+            horizon: geometry::horizon(scene),
             influence: geometry::influence(scene.horizon.influence),
             materials: materials.into_iter().collect::<Option<_>>()?,
             fluid: materials::fluid(scene),
             flow: scene.flow.as_deref().map(flow::flow_plan),
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
-            damage: None,
-            fracture_flow: None,
+            damage: scene
+                .damage
+                .as_deref()
+                .map(|damage| fracture::damage(damage, time.end)),
+            fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
-            cracks: mechanics::cracks(scene),
+            cracks: fracture::cracks(scene),
             wells: flow::wells(scene),
-            time: control::time(&scene.time),
+            time,
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),
             solver: solver?,

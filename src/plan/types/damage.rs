@@ -39,6 +39,17 @@ pub enum DamageMethod {
     Alternate,
 }
 
+impl DamageMethod {
+    /// The iterations, in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            DamageMethod::Auto => "newton or alternate",
+            DamageMethod::Newton => "newton",
+            DamageMethod::Alternate => "alternate",
+        }
+    }
+}
+
 /// Flow in what is broken (Eqs. 40 to 46).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FractureFlowPlan {
@@ -70,6 +81,16 @@ pub enum ApertureRule {
     Mean,
 }
 
+impl ApertureRule {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            ApertureRule::Normal => "normal",
+            ApertureRule::Mean => "mean",
+        }
+    }
+}
+
 /// What the permeability of a crack stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -78,4 +99,14 @@ pub enum TransmissivityRule {
     Cubic,
     /// w²/12 in the whole band, as printed.
     Paper,
+}
+
+impl TransmissivityRule {
+    /// Name as in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            TransmissivityRule::Cubic => "cubic",
+            TransmissivityRule::Paper => "paper",
+        }
+    }
 }

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::Number;
 use crate::scene::span::Span;
 use crate::scene::validate::{Context, Report, Section};
@@ -33,13 +32,10 @@ impl Section for Coupling {
 
     fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
         report.not_negative("stabilisation", self.stabilisation);
-        let missing = [
+        let needed = [
             ("[flow]", scene.has(&scene.draft.flow)),
             ("[mechanics]", scene.has(&scene.draft.mechanics)),
         ];
-        for (section, _) in missing.iter().filter(|(_, typed)| !typed) {
-            let fault = Diagnostic::new(format!("[coupling] needs {section}")).at(place);
-            report.add(fault.help(format!("add {section}, or leave [coupling] out")));
-        }
+        report.needs("[coupling]", place, &needed);
     }
 }

@@ -3,12 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::damage::Damage;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Number};
 use crate::scene::span::{Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
 
-/// How far a point sees (δ), and how strongly (ω). At most one of `neighbours`, `radius`, `ratio`.
+/// How far a point sees (δ), and how strongly (ω). At most one of `neighbours`,
+/// `radius`, `ratio` and `length_scale_ratio`.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Horizon {
@@ -18,6 +20,8 @@ pub struct Horizon {
     pub radius: Option<Length>,
     /// δ over the spacing of the points.
     pub ratio: Option<Number>,
+    /// δ over the length scale ℓ of damage. Needs `[damage]`.
+    pub length_scale_ratio: Option<Number>,
     /// Influence function ω of the bond length.
     pub influence: Influence,
 }
@@ -49,8 +53,12 @@ pub enum HorizonSize {
 }
 
 impl Horizon {
-    /// The size; 15 neighbours if nothing was typed.
-    pub fn size(&self) -> HorizonSize {
+    /// The size, with the damage that a ratio to its length scale refers to; 15 neighbours if
+    /// nothing was typed.
+    pub fn size(&self, damage: Option<&Damage>) -> HorizonSize {
+        if let (Some(ratio), Some(damage)) = (self.length_scale_ratio, damage) {
+            return HorizonSize::Radius(ratio.value() * damage.length_scale.value());
+        }
         match (self.neighbours, self.radius, self.ratio) {
             (_, Some(radius), _) => HorizonSize::Radius(radius.value()),
             (_, _, Some(ratio)) => HorizonSize::Ratio(ratio.value()),
@@ -68,6 +76,7 @@ impl Horizon {
             .radius
             .map(|r| r.span())
             .or(self.ratio.map(|r| r.span()))
+            .or(self.length_scale_ratio.map(|r| r.span()))
             .or(neighbours);
         typed.unwrap_or_default()
     }
@@ -84,6 +93,10 @@ impl Section for Horizon {
             ),
             ("radius", self.radius.map(|radius| radius.span())),
             ("ratio", self.ratio.map(|ratio| ratio.span())),
+            (
+                "length_scale_ratio",
+                self.length_scale_ratio.map(|ratio| ratio.span()),
+            ),
         ]);
         if let Some(neighbours) = self.neighbours {
             // Fewer bonds than this cannot span the space.
@@ -91,6 +104,15 @@ impl Section for Horizon {
                 "neighbours",
                 neighbours,
                 scene.dimension().unwrap_or(2) as u64 + 1,
+            );
+        }
+        if let Some(ratio) = self.length_scale_ratio {
+            report.positive("length_scale_ratio", ratio);
+            let damage = scene.has(&scene.draft.damage);
+            report.needs(
+                "`length_scale_ratio`",
+                ratio.span(),
+                &[("[damage]", damage)],
             );
         }
         if let Some(radius) = self.radius {

@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::diagnostics::Diagnostic;
-use crate::scene::quantity::{Density, InversePressure, Length, Number, Permeability, Pressure};
+use crate::scene::quantity::{
+    Density, FractureEnergy, InversePressure, Length, Number, Permeability, Pressure,
+};
 use crate::scene::shape::Shape;
 use crate::scene::span::{Entry, Named, Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -31,6 +33,8 @@ pub struct Material {
     pub poissons_ratio: Option<Number>,
     /// Density of the rock with its fluid, kg/m³; needed where its weight or inertia acts.
     pub density: Option<Density>,
+    /// Energy G_c that a crack takes per area, J/m²; needed where there is damage.
+    pub fracture_energy: Option<FractureEnergy>,
 }
 
 /// Intrinsic permeability, m²: one value, from a file, or drawn at random.
@@ -196,6 +200,9 @@ fn check_solid(material: &Material, report: &mut Report) {
     if let Some(density) = material.density {
         report.positive("density", density);
     }
+    if let Some(energy) = material.fracture_energy {
+        report.positive("fracture_energy", energy);
+    }
 }
 
 /// What the effects of the scene need to know of a material, besides its storage.
@@ -204,6 +211,7 @@ fn check_needs(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report
     let flow = scene.has(&draft.flow).then_some("[flow]");
     let mechanics = scene.has(&draft.mechanics).then_some("[mechanics]");
     let coupling = scene.has(&draft.coupling).then_some("[coupling]");
+    let damage = scene.has(&draft.damage).then_some("[damage]");
     let gravity = mechanics.and(scene.has(&draft.gravity).then_some("[gravity]"));
     let inertia = scene
         .sound(&draft.mechanics)
@@ -226,6 +234,11 @@ fn check_needs(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report
             "biot_coefficient",
             coupling,
             material.biot_coefficient.is_some(),
+        ),
+        (
+            "fracture_energy",
+            damage,
+            material.fracture_energy.is_some(),
         ),
     ];
     for (key, needed_by, typed) in needs {

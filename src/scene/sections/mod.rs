@@ -2,8 +2,10 @@
 
 mod coupling;
 mod cracks;
+mod damage;
 mod flow;
 mod fluid;
+mod fracture_flow;
 mod geometry;
 mod gravity;
 mod horizon;
@@ -18,12 +20,15 @@ mod time;
 mod wells;
 
 pub use coupling::Coupling;
-pub use cracks::Crack;
+pub use cracks::{Crack, CrackDisc, CrackKind, Injection};
+pub(crate) use cracks::{disc_in_plane, points_in_space};
+pub use damage::{Damage, DamageMethod, EnergySplit};
 pub use flow::{
     Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition, PressureRegion,
     SealedCondition,
 };
 pub use fluid::Fluid;
+pub use fracture_flow::{Aperture, FractureFlow, Transmissivity};
 pub use geometry::{
     Blocks, Bounds, FileBounds, Geometry, Graded, Lattice, PointFile, Refinement, Segment,
     SegmentSpacing,

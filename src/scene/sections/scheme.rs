@@ -115,11 +115,7 @@ impl Section for Scheme {
         report.at_least("coupling_iterations", self.coupling_iterations, 1);
         report.positive("adr_tolerance", self.adr_tolerance);
         report.at_least("adr_iterations", self.adr_iterations, 1);
-        report.positive("adr_smoothing", self.adr_smoothing);
-        if self.adr_smoothing.value() > 1.0 {
-            let fault = Diagnostic::new("`adr_smoothing` must not be above 1");
-            report.add(fault.at(self.adr_smoothing.span()));
-        }
+        report.share("adr_smoothing", self.adr_smoothing);
     }
 }
 

@@ -25,8 +25,8 @@ pub struct TimeControl {
     pub max_step: Option<Time>,
     /// Relative error allowed in an adaptive step.
     pub tolerance: Number,
-    /// Method of the implicit scheme.
-    pub integrator: Integrator,
+    /// Method of the implicit scheme; `backward-euler` where there is `[fracture_flow]`.
+    pub integrator: Spanned<Integrator>,
     /// Part of the stability limit that an explicit step uses, above 0, up to 1.
     pub safety: Number,
     /// The run fails beyond this many steps.
@@ -42,7 +42,7 @@ impl Default for TimeControl {
             first_step: None,
             max_step: None,
             tolerance: Number::si(1e-5),
-            integrator: Integrator::default(),
+            integrator: Spanned::default(),
             safety: Number::si(0.9),
             max_steps: Spanned::nowhere(1_000_000),
         }

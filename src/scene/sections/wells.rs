@@ -45,7 +45,11 @@ impl Section for Named<Well> {
 }
 
 /// A rate per metre of thickness belongs to a plane.
-fn check_rate_unit(rate: &Load<dimension::FlowRate>, scene: &Context<'_>, report: &mut Report) {
+pub(super) fn check_rate_unit(
+    rate: &Load<dimension::FlowRate>,
+    scene: &Context<'_>,
+    report: &mut Report,
+) {
     let per_metre = rate.values().iter().find(|value| value.accepted() == 1);
     if let (Some(value), Some(3)) = (per_metre, scene.dimension()) {
         let fault =

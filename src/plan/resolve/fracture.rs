@@ -1,0 +1,111 @@
+//! Cracks, damage, and flow in what is broken.
+
+use super::Resolver;
+use crate::plan::types::{
+    ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan, EnergySplit,
+    FractureFlowPlan, InjectionPlan, TransmissivityRule,
+};
+use crate::scene::quantity::values;
+use crate::scene::{self, disc_in_plane, points_in_space};
+
+/// Shortest step over the length of the run, where none is given.
+const SHORTEST_STEP: f64 = 1e-3;
+
+impl Resolver<'_> {
+    /// Points from a file tell the dimension only now.
+    pub(super) fn check_cracks(&mut self, dimension: usize) {
+        for entry in &self.loaded.scene.cracks {
+            let crack = &entry.value;
+            if let (Some(points), 3) = (&crack.points, dimension) {
+                self.faults.push(points_in_space(points.span));
+            }
+            if let (Some(disc), 2) = (&crack.disc, dimension) {
+                self.faults.push(disc_in_plane(disc.span));
+            }
+            if let Some(injection) = &crack.injection
+                && injection.at.len() != dimension
+            {
+                let found = injection.at.len();
+                let message = format!("`at` needs {dimension} components, found {found}");
+                self.fault::<()>(injection.at.span, message);
+            }
+        }
+    }
+}
+
+pub(super) fn cracks(scene: &scene::Scene) -> Vec<CrackPlan> {
+    let crack = |entry: &scene::Entry<scene::Crack>| CrackPlan {
+        name: entry.name.clone(),
+        kind: match entry.value.kind.value {
+            scene::CrackKind::Cut => CrackKind::Cut,
+            scene::CrackKind::Damaged => CrackKind::Damaged,
+        },
+        place: place(&entry.value),
+        pressure: entry.value.pressure.as_ref().map(scene::Load::resolved),
+        injection: entry.value.injection.as_deref().map(injection),
+    };
+    scene.cracks.iter().map(crack).collect()
+}
+
+fn place(crack: &scene::Crack) -> CrackPlace {
+    let Some(disc) = &crack.disc else {
+        return CrackPlace::Chain(crack.chain());
+    };
+    let triple = |values: Vec<f64>| std::array::from_fn(|axis| values[axis]);
+    CrackPlace::Disc {
+        centre: triple(values(&disc.centre)),
+        normal: triple(disc.unit_normal()),
+        radius: disc.radius.value(),
+    }
+}
+
+fn injection(injection: &scene::Injection) -> InjectionPlan {
+    InjectionPlan {
+        at: values(&injection.at),
+        rate: injection.rate.resolved(),
+    }
+}
+
+/// Damage in a run to the time `end`, s.
+pub(super) fn damage(damage: &scene::Damage, end: f64) -> DamagePlan {
+    DamagePlan {
+        length_scale: damage.length_scale.value(),
+        split: match damage.split {
+            scene::EnergySplit::Spectral => EnergySplit::Spectral,
+            scene::EnergySplit::VolumetricDeviatoric => EnergySplit::VolumetricDeviatoric,
+            scene::EnergySplit::None => EnergySplit::None,
+        },
+        residual_stiffness: damage.residual_stiffness.value(),
+        normalise: damage.normalise,
+        method: match damage.method {
+            scene::DamageMethod::Auto => DamageMethod::Auto,
+            scene::DamageMethod::Newton => DamageMethod::Newton,
+            scene::DamageMethod::Alternate => DamageMethod::Alternate,
+        },
+        tolerance: damage.tolerance.value(),
+        iterations: usize::try_from(damage.iterations.value).unwrap_or(usize::MAX),
+        largest_increment: damage.largest_increment.value(),
+        shortest_step: damage
+            .shortest_step
+            .map_or(SHORTEST_STEP * end, |step| step.value()),
+    }
+}
+
+pub(super) fn fracture_flow(flow: &scene::FractureFlow) -> FractureFlowPlan {
+    FractureFlowPlan {
+        aperture: match flow.aperture {
+            scene::Aperture::Normal => ApertureRule::Normal,
+            scene::Aperture::Mean => ApertureRule::Mean,
+        },
+        transmissivity: match flow.transmissivity {
+            scene::Transmissivity::Cubic => TransmissivityRule::Cubic,
+            scene::Transmissivity::Paper => TransmissivityRule::Paper,
+        },
+        lower_threshold: flow.lower_threshold.value(),
+        upper_threshold: flow.upper_threshold.value(),
+        storage: flow.storage.map(|storage| storage.value()),
+        biot_coefficient: flow.biot_coefficient.value(),
+        viscosity: flow.viscosity.map(|viscosity| viscosity.value()),
+        permeability: flow.permeability.map(|permeability| permeability.value()),
+    }
+}

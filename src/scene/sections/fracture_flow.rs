@@ -1,0 +1,129 @@
+//! `[fracture_flow]`: fluid moves in what is broken; its presence makes the effect exist.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::time::Integrator;
+use crate::scene::diagnostics::Diagnostic;
+use crate::scene::quantity::{InversePressure, Number, Permeability, Viscosity};
+use crate::scene::span::Span;
+use crate::scene::validate::{Context, Report, Section};
+
+/// Flow in what is broken (Eqs. 40 to 46). Needs `[damage]`, `[flow]` and `[coupling]`.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FractureFlow {
+    /// How the aperture (opening) of a fracture is found from the bonds across it.
+    pub aperture: Aperture,
+    /// What the permeability of a fracture stands for.
+    pub transmissivity: Transmissivity,
+    /// Damage c₁ up to which rock is intact, above 0.
+    pub lower_threshold: Number,
+    /// Damage c₂ from which rock is a fracture, above c₁, up to 1.
+    pub upper_threshold: Number,
+    /// Storage in fractures, 1/Pa; that of the rock if absent.
+    pub storage: Option<InversePressure>,
+    /// Biot coefficient in fractures, 0 to 1.
+    pub biot_coefficient: Number,
+    /// Viscosity in fractures, Pa s; that of the fluid if absent.
+    pub viscosity: Option<Viscosity>,
+    /// Permeability of fractures, m²; from their aperture if absent.
+    pub permeability: Option<Permeability>,
+}
+
+impl Default for FractureFlow {
+    fn default() -> Self {
+        Self {
+            aperture: Aperture::default(),
+            transmissivity: Transmissivity::default(),
+            lower_threshold: Number::si(0.5),
+            upper_threshold: Number::si(1.0),
+            storage: None,
+            biot_coefficient: Number::si(1.0),
+            viscosity: None,
+            permeability: None,
+        }
+    }
+}
+
+/// Ways to find the aperture of a fracture from bonds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Aperture {
+    /// Opening along each bond divided by the cosine to the normal of the fracture.
+    #[default]
+    Normal,
+    /// Plain mean over the bonds, Eq. 42 as printed.
+    Mean,
+}
+
+/// What the permeability of a fracture stands for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transmissivity {
+    /// w²/12 scaled by w/2δ, so that the broken band conducts w³/12 (cubic law).
+    #[default]
+    Cubic,
+    /// w²/12 in the whole band, as printed.
+    Paper,
+}
+
+impl Section for FractureFlow {
+    const NAME: &'static str = "fracture_flow";
+
+    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+        let draft = scene.draft;
+        self.check_thresholds(report);
+        report.within("biot_coefficient", self.biot_coefficient, 0.0, 1.0);
+        self.storage
+            .into_iter()
+            .for_each(|storage| report.positive("storage", storage));
+        self.viscosity
+            .into_iter()
+            .for_each(|viscosity| report.positive("viscosity", viscosity));
+        self.permeability
+            .into_iter()
+            .for_each(|value| report.positive("permeability", value));
+        let needed = [
+            ("[damage]", scene.has(&draft.damage)),
+            ("[flow]", scene.has(&draft.flow)),
+            ("[coupling]", scene.has(&draft.coupling)),
+        ];
+        report.needs("[fracture_flow]", place, &needed);
+        check_time(place, scene, report);
+    }
+}
+
+impl FractureFlow {
+    fn check_thresholds(&self, report: &mut Report) {
+        let (lower, upper) = (self.lower_threshold, self.upper_threshold);
+        report.positive("lower_threshold", lower);
+        report.share("upper_threshold", upper);
+        if lower.value() >= upper.value() && upper.value() > 0.0 {
+            let fault = Diagnostic::new("`lower_threshold` must be below `upper_threshold`");
+            let typed = [lower.span(), upper.span()];
+            let place = typed.into_iter().find(|span| span.is_somewhere());
+            report.add(fault.at(place.unwrap_or_default()));
+        }
+    }
+}
+
+/// The conductance of a fracture changes with its aperture, within a step too.
+fn check_time(place: Span, scene: &Context<'_>, report: &mut Report) {
+    let Some(time) = scene.sound(&scene.draft.time) else {
+        return;
+    };
+    if time.is_steady() {
+        let fault = Diagnostic::new("a steady run has no flow in fractures").at(place);
+        let fault = fault.also(time.mode.span, "steady here");
+        report.add(fault.help("give the run an `end`, or leave [fracture_flow] out"));
+    }
+    let integrator = time.integrator;
+    if integrator.value == Integrator::TrBdf2 && integrator.span.is_somewhere() {
+        let message =
+            "flow in fractures needs backward-euler: its coefficients change within a step";
+        let fault = Diagnostic::new(message).at(integrator.span);
+        let fault = fault.also(place, "the flow in fractures");
+        report.add(fault.help("set time.integrator = \"backward-euler\", or leave it out"));
+    }
+}
