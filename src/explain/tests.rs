@@ -277,8 +277,11 @@ const BREAKING: &[&str] = &[
 #[test]
 fn numbers_of_damage_are_those_of_a_bar() {
     let told = solid(BREAKING);
-    close(value(&told, "2δ/ℓ"), 3.1);
-    close(value(&told, "effective fracture energy of rock"), 155.0);
+    // Horizons have room for rounding.
+    let width: f64 = 3.1 * (1.0 + 1e-6);
+    close(value(&told, "2δ/ℓ"), width);
+    let energy = value(&told, "effective fracture energy of rock");
+    close(energy, 50.0 * width);
     let stress = 3.0 * 3.0_f64.sqrt() / 16.0 * (2.0 * 1e10 * 50.0_f64 / 2.0).sqrt();
     close(value(&told, "critical stress σ_c of rock"), stress);
     let strain = (2.0_f64 * 50.0 / (3.0 * 1e10 * 2.0)).sqrt();
@@ -293,7 +296,7 @@ fn numbers_of_damage_are_those_of_a_bar() {
     let own = solid(&[BREAKING, &["damage.normalise=true"]].concat());
     assert!(own.warnings.is_empty());
     close(value(&own, "effective fracture energy of rock"), 50.0);
-    let weaker = 1.0 / 3.1_f64.sqrt();
+    let weaker = 1.0 / width.sqrt();
     close(value(&own, "critical stress σ_c of rock"), stress * weaker);
     close(value(&own, "critical strain ε_c of rock"), strain * weaker);
     assert!(value(&solid(&[]), "2δ/ℓ").is_none());
