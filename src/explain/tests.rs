@@ -265,3 +265,108 @@ fn a_split_that_diverges_is_warned_of() {
     }
     assert!(warned(&["scheme.relaxation=0"]).is_empty());
 }
+
+/// E = 10 GPa, G_c = 50 J/m², ℓ = 2 m, and a horizon of 3.1 m.
+const BREAKING: &[&str] = &[
+    "damage.length_scale=2",
+    "materials.rock.fracture_energy=50",
+    "horizon.radius=3.1",
+];
+
+/// σ_c = (3√3/16) √(2 E G_c/ℓ) and ε_c = √(2 G_c/(3 E ℓ)).
+#[test]
+fn numbers_of_damage_are_those_of_a_bar() {
+    let told = solid(BREAKING);
+    // Horizons have room for rounding.
+    let width: f64 = 3.1 * (1.0 + 1e-6);
+    close(value(&told, "2δ/ℓ"), width);
+    let energy = value(&told, "effective fracture energy of rock");
+    close(energy, 50.0 * width);
+    let stress = 3.0 * 3.0_f64.sqrt() / 16.0 * (2.0 * 1e10 * 50.0_f64 / 2.0).sqrt();
+    close(value(&told, "critical stress σ_c of rock"), stress);
+    let strain = (2.0_f64 * 50.0 / (3.0 * 1e10 * 2.0)).sqrt();
+    close(value(&told, "critical strain ε_c of rock"), strain);
+    assert_eq!(
+        told.warnings,
+        [
+            "a crack takes 2δ/ℓ = 3.1 times the fracture energy; set damage.normalise = true, or \
+             tie the horizon to ℓ with horizon.length_scale_ratio = 0.5"
+        ]
+    );
+    let own = solid(&[BREAKING, &["damage.normalise=true"]].concat());
+    assert!(own.warnings.is_empty());
+    close(value(&own, "effective fracture energy of rock"), 50.0);
+    let weaker = 1.0 / width.sqrt();
+    close(value(&own, "critical stress σ_c of rock"), stress * weaker);
+    close(value(&own, "critical strain ε_c of rock"), strain * weaker);
+    assert!(value(&solid(&[]), "2δ/ℓ").is_none());
+}
+
+#[test]
+fn damage_is_among_the_effects_and_in_the_scheme() {
+    let told = solid(BREAKING);
+    let effect = |told: &Explanation, name: &str| {
+        let found = told.effects.iter().find(|effect| effect.name == name);
+        found.map(|effect| effect.why.clone())
+    };
+    assert_eq!(
+        effect(&told, "damage").unwrap(),
+        "[damage] is there, split spectral"
+    );
+    assert_eq!(told.scheme.name, "quasi-static (newton or alternate)");
+    assert_eq!(
+        told.scheme.why,
+        "equilibrium with damage after each step, steps free to grow, cut where damage grows by \
+         more than 0.3 in one"
+    );
+    let steady = solid(
+        &[
+            BREAKING,
+            &["time={mode = \"steady\"}", "damage.method=newton"],
+        ]
+        .concat(),
+    );
+    let why = "time.mode = \"steady\": one equilibrium with damage (newton), no time loop";
+    assert_eq!(steady.scheme.why, why);
+    let text = told.to_string();
+    let line = "number     2δ/ℓ = 3.100e0, width of a crack";
+    assert!(text.contains(line), "{text}");
+}
+
+#[test]
+fn cracks_are_told_by_kind_and_with_their_fluid() {
+    let sets: &[&str] = &[
+        "fluid.viscosity=1 cP",
+        "flow={}",
+        "coupling={}",
+        "fracture_flow={}",
+        "materials.rock.permeability=1 mD",
+        "materials.rock.storage=1e-10",
+        "materials.rock.biot_coefficient=0.8",
+        "cracks.a={kind = \"damaged\", points = [[2, 2], [4, 2]], pressure = 0}",
+        "cracks.b={kind = \"damaged\", points = [[2, 1], [4, 1]], injection = {rate = 1, at = \
+         [3, 1]}}",
+    ];
+    let plan = plan_of(SOLID, &[BREAKING, sets].concat());
+    let told = effects::effects(&plan);
+    let why = |name: &str| {
+        let found = told.iter().find(|effect| effect.name == name);
+        found.map(|effect| effect.why.as_str())
+    };
+    assert!(why("cracks").is_none());
+    assert_eq!(
+        why("damaged-cracks"),
+        Some("[cracks] names, as damaged, a, b")
+    );
+    assert_eq!(
+        why("crack-pressure"),
+        Some("the pressure of the fluid is prescribed in a")
+    );
+    assert_eq!(
+        why("fracture-flow"),
+        Some("[fracture_flow] is there, aperture normal, transmissivity cubic")
+    );
+    assert_eq!(why("injection"), Some("there is an injection into b"));
+    let scheme = scheme::scheme(&plan);
+    assert_eq!(scheme.name, "monolithic backward-euler");
+}

@@ -16,7 +16,7 @@ pub fn damage_width(delta: f64, damage: &DamagePlan) -> f64 {
 pub fn width_warning(width: f64, damage: &DamagePlan) -> Option<String> {
     (!damage.normalise && !FAIR.contains(&width)).then(|| {
         format!(
-            "a crack takes 2δ/ℓ = {width:.2} times the fracture energy; set damage.normalise = \
+            "a crack takes 2δ/ℓ = {width:.1} times the fracture energy; set damage.normalise = \
              true, or tie the horizon to ℓ with horizon.length_scale_ratio = 0.5"
         )
     })

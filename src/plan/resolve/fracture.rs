@@ -66,9 +66,10 @@ fn injection(injection: &scene::Injection) -> InjectionPlan {
     }
 }
 
-/// Damage in a run to the time `end`, s.
-pub(super) fn damage(damage: &scene::Damage, end: f64) -> DamagePlan {
-    DamagePlan {
+/// Damage, if the scene names it, in a run to the time `end`, s.
+pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
+    let damage = scene.damage.as_deref()?;
+    Some(DamagePlan {
         length_scale: damage.length_scale.value(),
         split: match damage.split {
             scene::EnergySplit::Spectral => EnergySplit::Spectral,
@@ -88,7 +89,7 @@ pub(super) fn damage(damage: &scene::Damage, end: f64) -> DamagePlan {
         shortest_step: damage
             .shortest_step
             .map_or(SHORTEST_STEP * end, |step| step.value()),
-    }
+    })
 }
 
 pub(super) fn fracture_flow(flow: &scene::FractureFlow) -> FractureFlowPlan {

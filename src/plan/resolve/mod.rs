@@ -75,10 +75,7 @@ impl Resolver<'_> {
             flow: scene.flow.as_deref().map(flow::flow_plan),
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
-            damage: scene
-                .damage
-                .as_deref()
-                .map(|damage| fracture::damage(damage, time.end)),
+            damage: fracture::damage(scene, time.end),
             fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
             cracks: fracture::cracks(scene),

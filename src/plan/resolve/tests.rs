@@ -4,10 +4,12 @@
 use std::path::Path;
 
 use super::*;
-use crate::geometry::Shape;
+use crate::geometry::{Horizon, Shape};
 use crate::load::Load;
 use crate::plan::{
-    Acceleration, GradientChoice, Integrator, SchemeChoice, SolidMethod, Support, TimeMode,
+    Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan,
+    EnergySplit, FractureFlowPlan, GradientChoice, InjectionPlan, Integrator, SchemeChoice,
+    SolidMethod, Support, TimeMode, TransmissivityRule,
 };
 use crate::scene::load_str;
 
@@ -224,5 +226,102 @@ fn a_cloud_without_planes_has_no_sides_to_hold_or_load() {
     assert_eq!(
         errors.diagnostics[0].message,
         "`body_force` needs 2 components, found 3"
+    );
+}
+
+/// A body that breaks, and fluid that is pumped into a damaged crack in it.
+const BROKEN: &[&str] = &[
+    "materials.rock.fracture_energy=50 J/m^2",
+    "coupling={}",
+    "damage={length_scale = \"20 cm\", split = \"none\", normalise = true, method = \"alternate\"}",
+    "fracture_flow={storage = 4e-10, viscosity = \"2 cP\", lower_threshold = 0.4}",
+    "cracks.notch={kind = \"damaged\", points = [[0.3, 0.5], [0.6, 0.5]], injection = {rate = \
+     \"1e-6 m^2/s\", at = [0.4, 0.5]}}",
+    "horizon.length_scale_ratio=2",
+    "time.end=10",
+];
+
+#[test]
+fn what_breaks_arrives_in_si_with_its_defaults() {
+    let plan = plan(&[FLOW, BROKEN].concat());
+    assert_eq!(plan.horizon, Horizon::Radius(0.4));
+    assert_eq!(plan.materials[0].fracture_energy, Some(50.0));
+    let damage = DamagePlan {
+        length_scale: 0.2,
+        split: EnergySplit::None,
+        residual_stiffness: 1e-9,
+        normalise: true,
+        method: DamageMethod::Alternate,
+        tolerance: 1e-5,
+        iterations: 1000,
+        largest_increment: 0.3,
+        shortest_step: 0.01,
+    };
+    assert_eq!(plan.damage, Some(damage));
+    let fracture_flow = FractureFlowPlan {
+        aperture: ApertureRule::Normal,
+        transmissivity: TransmissivityRule::Cubic,
+        lower_threshold: 0.4,
+        upper_threshold: 1.0,
+        storage: Some(4e-10),
+        biot_coefficient: 1.0,
+        viscosity: Some(2e-3),
+        permeability: None,
+    };
+    assert_eq!(plan.fracture_flow, Some(fracture_flow));
+    let notch = CrackPlan {
+        name: "notch".to_owned(),
+        kind: CrackKind::Damaged,
+        place: CrackPlace::Chain(vec![[0.3, 0.5], [0.6, 0.5]]),
+        pressure: None,
+        injection: Some(InjectionPlan {
+            at: vec![0.4, 0.5],
+            rate: Load::constant(1e-6),
+        }),
+    };
+    assert_eq!(plan.cracks, [notch]);
+    let gradient = plan.mechanics.unwrap().gradient;
+    assert_eq!(gradient, GradientChoice::Plain);
+    let integrator = plan.scheme.integrator();
+    assert_eq!(integrator, Some(Integrator::BackwardEuler));
+}
+
+#[test]
+fn a_disc_has_a_normal_of_length_one() {
+    let text = SOLID
+        .replace("size = [1, 1]", "size = [1, 1, 1]")
+        .replace("points = [4, 4]", "points = [4, 4, 4]");
+    let penny = "cracks.penny={kind = \"damaged\", pressure = \"1 MPa\", disc = {centre = [0.5, \
+                 0.5, 0.5], normal = [0, 3, 4], radius = \"20 cm\"}}";
+    let sets = [
+        "materials.rock.fracture_energy=50",
+        "damage.length_scale=0.2",
+        "damage.shortest_step=1 ms",
+        penny,
+    ];
+    let plan = resolved(&text, &sets).unwrap();
+    let disc = CrackPlace::Disc {
+        centre: [0.5; 3],
+        normal: [0.0, 0.6, 0.8],
+        radius: 0.2,
+    };
+    assert_eq!(plan.cracks[0].place, disc);
+    assert!(plan.cracks[0].points().is_empty());
+    assert_eq!(plan.damage.unwrap().shortest_step, 1e-3);
+    assert_eq!(plan.scheme, SchemeChoice::Implicit(Integrator::TrBdf2));
+}
+
+#[test]
+fn damage_has_no_divergence_consistent_gradient() {
+    let sets = [
+        "materials.rock.fracture_energy=50",
+        "damage.length_scale=0.2",
+        "mechanics.gradient=divergence-consistent",
+    ];
+    let errors = resolved(SOLID, &sets).unwrap_err();
+    assert_eq!(
+        errors.diagnostics[0].message,
+        "the divergence-consistent gradient does not go together with [damage]; set gradient = \
+         \"plain\""
     );
 }

@@ -46,13 +46,13 @@ fn a_crack_is_a_chain_of_places_in_a_plane_domain() {
     }
     let solid = found(&["geometry.size=[1, 1, 1]", "geometry.points=[9, 9, 9]"]);
     assert!(
-        solid.contains(&"[cracks] are for planes".to_owned()),
+        solid.contains(&"the `points` of a crack are for planes".to_owned()),
         "{solid:?}"
     );
 }
 
 #[test]
-fn cracks_need_mechanics_and_do_not_go_with_flow_yet() {
+fn cracks_need_mechanics_and_cut_ones_do_not_go_with_flow() {
     let alone = SOLID.replace("[mechanics.boundary.left]\nclamped = true\n", "");
     let found = faults(&alone, &[]);
     assert!(
@@ -65,7 +65,7 @@ fn cracks_need_mechanics_and_do_not_go_with_flow_yet() {
         &SOLID.replace("[cracks.main]", "[flow]\n[cracks.main]"),
         &[],
     );
-    let message = "[cracks] and [flow] do not go together yet";
+    let message = "a cut crack and [flow] do not go together";
     assert!(found.iter().any(|fault| fault.0 == message), "{found:?}");
     let bare = SOLID.split("[cracks.main]").next().unwrap().to_owned()
         + "[time]\nmode = \"steady\"\n[reference]\ntype = \"sneddon\"\n";

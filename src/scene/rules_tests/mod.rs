@@ -2,6 +2,7 @@
 
 mod coupling;
 mod cracks;
+mod damage;
 mod effects;
 mod geometry;
 mod materials;

@@ -67,7 +67,7 @@ impl CrackDisc {
     /// The normal, of length one.
     pub fn unit_normal(&self) -> Vec<f64> {
         let normal = values(&self.normal);
-        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let length = normal.iter().copied().fold(0.0, f64::hypot);
         normal.iter().map(|x| x / length).collect()
     }
 

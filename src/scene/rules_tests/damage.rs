@@ -1,0 +1,477 @@
+//! Rules of damage, of damaged cracks, and of flow in what is broken.
+
+use super::{faults, load};
+use crate::scene::{CrackKind, HorizonSize};
+
+/// A sound scene of a crack that fluid is pumped into.
+const PUMPED: &str = r#"title = "Pumped"
+[geometry]
+type = "lattice"
+size = [1, 1]
+points = [10, 10]
+[horizon]
+length_scale_ratio = 0.5
+[fluid]
+viscosity = "1 cP"
+[materials.rock]
+permeability = "1 mD"
+storage = "1e-10 1/Pa"
+youngs_modulus = "10 GPa"
+poissons_ratio = 0.2
+biot_coefficient = 0.8
+fracture_energy = "100 J/m^2"
+[flow]
+[mechanics.boundary]
+left.clamped = true
+right.free = true
+[coupling]
+[damage]
+length_scale = "40 cm"
+split = "volumetric-deviatoric"
+residual_stiffness = 1e-8
+normalise = false
+method = "newton"
+tolerance = 1e-6
+iterations = 50
+largest_increment = 0.2
+shortest_step = "1 ms"
+[fracture_flow]
+aperture = "mean"
+transmissivity = "paper"
+lower_threshold = 0.4
+upper_threshold = 0.9
+storage = "4e-10 1/Pa"
+biot_coefficient = 0.95
+viscosity = "2 cP"
+permeability = "1 D"
+[cracks.notch]
+kind = "damaged"
+points = [[0.4, 0.5], [0.6, 0.5]]
+injection = { rate = "1e-6 m^2/s", at = [0.5, 0.5] }
+[time]
+end = "10 s"
+"#;
+
+/// A sound scene of a flat crack in space that nothing flows in.
+const DISC: &str = r#"title = "Disc"
+[geometry]
+type = "lattice"
+size = [1, 1, 1]
+points = [8, 8, 8]
+[materials.rock]
+youngs_modulus = "10 GPa"
+poissons_ratio = 0.2
+fracture_energy = 100
+[mechanics.boundary.left]
+clamped = true
+[damage]
+length_scale = 0.5
+[cracks.penny]
+kind = "damaged"
+disc = { centre = [0.5, 0.5, 0.5], normal = [0, 0, 2], radius = "40 cm" }
+pressure = "1 MPa"
+[time]
+mode = "steady"
+"#;
+
+/// Each row: text to replace, replacement, message, underlined words. Exactly this fault is found.
+fn check(scene: &str, table: &[(&str, &str, &str, &str)]) {
+    for (from, to, message, excerpt) in table {
+        assert!(scene.contains(from), "{from}");
+        let found = faults(&scene.replacen(from, to, 1), &[]);
+        let expected = [((*message).to_owned(), (*excerpt).to_owned())];
+        assert_eq!(found, expected, "{from} -> {to}");
+    }
+}
+
+fn messages(scene: &str, overrides: &[&str]) -> Vec<String> {
+    let found = faults(scene, overrides).into_iter();
+    found.map(|(message, _)| message).collect()
+}
+
+/// The text without a section, from its heading to the next one.
+fn without(scene: &str, heading: &str) -> String {
+    let start = scene.find(heading).unwrap();
+    let end = scene[start + 1..]
+        .find("\n[")
+        .map_or(scene.len(), |end| start + end + 2);
+    format!("{}{}", &scene[..start], &scene[end..])
+}
+
+#[test]
+fn sound_scenes_are_read() {
+    let scene = load(PUMPED, &[]).unwrap().scene;
+    let size = scene.horizon.size(scene.damage.as_deref());
+    let HorizonSize::Radius(radius) = size else {
+        panic!("{size:?}")
+    };
+    assert!((radius - 0.2).abs() < 1e-12);
+    let notch = scene.cracks.get("notch").unwrap();
+    assert_eq!(notch.kind.value, CrackKind::Damaged);
+    assert!(notch.injection.is_some() && notch.disc.is_none());
+    let scene = load(DISC, &[]).unwrap().scene;
+    assert!(scene.cracks.get("penny").unwrap().points.is_none());
+    let normal = scene.cracks.get("penny").unwrap().disc.as_ref().unwrap();
+    assert!((normal.unit_normal()[2] - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn damage_rules() {
+    check(
+        PUMPED,
+        &[
+            (
+                "length_scale = \"40 cm\"",
+                "length_scale = 0",
+                "`length_scale` must be positive",
+                "0",
+            ),
+            (
+                "residual_stiffness = 1e-8",
+                "residual_stiffness = 1e-15",
+                "`residual_stiffness` must lie between 1e-14 and 0.1, found 1e-15",
+                "1e-15",
+            ),
+            (
+                "residual_stiffness = 1e-8",
+                "residual_stiffness = 1",
+                "`residual_stiffness` must lie between 1e-14 and 0.1, found 1",
+                "1",
+            ),
+            (
+                "\"volumetric-deviatoric\"",
+                "\"spectrum\"",
+                "`spectrum` is not known here",
+                "\"spectrum\"",
+            ),
+            (
+                "\"newton\"",
+                "\"nwton\"",
+                "`nwton` is not known here",
+                "\"nwton\"",
+            ),
+            (
+                "tolerance = 1e-6",
+                "tolerance = 0",
+                "`tolerance` must be positive",
+                "0",
+            ),
+            (
+                "tolerance = 1e-6",
+                "tolerance = 0.1",
+                "`tolerance` must be below 0.1",
+                "0.1",
+            ),
+            (
+                "iterations = 50",
+                "iterations = 0",
+                "`iterations` must be at least 1, found 0",
+                "0",
+            ),
+            (
+                "largest_increment = 0.2",
+                "largest_increment = 0",
+                "`largest_increment` must be positive",
+                "0",
+            ),
+            (
+                "largest_increment = 0.2",
+                "largest_increment = 1.5",
+                "`largest_increment` must not be above 1",
+                "1.5",
+            ),
+            (
+                "\"1 ms\"",
+                "\"0 ms\"",
+                "`shortest_step` must be positive",
+                "\"0 ms\"",
+            ),
+            (
+                "length_scale_ratio = 0.5",
+                "length_scale_ratio = 0",
+                "`length_scale_ratio` must be positive",
+                "0",
+            ),
+            (
+                "length_scale_ratio = 0.5",
+                "length_scale_ratio = 0.5\nradius = 0.2",
+                "`radius` excludes `length_scale_ratio`",
+                "0.5",
+            ),
+            (
+                "fracture_energy = \"100 J/m^2\"\n",
+                "",
+                "material `rock` has no `fracture_energy`",
+                "rock",
+            ),
+            (
+                "\"100 J/m^2\"",
+                "-1",
+                "`fracture_energy` must be positive",
+                "-1",
+            ),
+            (
+                "\"100 J/m^2\"",
+                "\"100 J\"",
+                "expected an energy per area (J/m^2), found an energy: \"100 J\"",
+                "\"100 J\"",
+            ),
+        ],
+    );
+    assert_eq!(
+        faults(PUMPED, &["materials.rock.fracture_energy=0.1 kN/m"]),
+        []
+    );
+}
+
+#[test]
+fn damage_needs_mechanics_at_rest_without_plates() {
+    let rigid = without(
+        &without(&without(DISC, "[mechanics"), "[cracks"),
+        "[materials",
+    ) + "[materials.rock]\nfracture_energy = 1\n";
+    let found = messages(&rigid, &[]);
+    assert!(
+        found.contains(&"[damage] needs [mechanics]".to_owned()),
+        "{found:?}"
+    );
+    let dynamic = [
+        "mechanics.mode=dynamic",
+        "scheme.name=explicit",
+        "materials.rock.density=2000",
+        "time={end = 1}",
+    ];
+    assert_eq!(
+        messages(DISC, &dynamic),
+        ["damage needs quasi-static mechanics"]
+    );
+    assert_eq!(
+        messages(PUMPED, &["mechanics.boundary.right={plate = 1}"]),
+        ["a rigid `plate` and [damage] do not go together"]
+    );
+    let size = ["horizon.length_scale_ratio=0.5"];
+    let elastic = without(&without(DISC, "[damage]"), "[cracks");
+    assert_eq!(
+        messages(&elastic, &size),
+        ["`length_scale_ratio` needs [damage]"]
+    );
+}
+
+#[test]
+fn a_steady_run_has_damage_without_flow_only() {
+    let steady = PUMPED
+        .replace("end = \"10 s\"", "mode = \"steady\"")
+        .replace("shortest_step = \"1 ms\"\n", "");
+    assert_eq!(
+        messages(&steady, &[]),
+        ["a steady run has no flow in fractures"]
+    );
+    let plain = without(&without(&steady, "[fracture_flow]"), "[cracks");
+    assert_eq!(
+        messages(&plain, &[]),
+        ["a steady run with [flow] has no [damage]"]
+    );
+    let transient = without(&without(PUMPED, "[fracture_flow]"), "[cracks");
+    assert_eq!(faults(&transient, &[]), [], "damage beside flow");
+}
+
+#[test]
+fn fracture_flow_rules() {
+    check(
+        PUMPED,
+        &[
+            (
+                "lower_threshold = 0.4",
+                "lower_threshold = 0",
+                "`lower_threshold` must be positive",
+                "0",
+            ),
+            (
+                "lower_threshold = 0.4",
+                "lower_threshold = 0.9",
+                "`lower_threshold` must be below `upper_threshold`",
+                "0.9",
+            ),
+            (
+                "upper_threshold = 0.9",
+                "upper_threshold = 1.1",
+                "`upper_threshold` must not be above 1",
+                "1.1",
+            ),
+            (
+                "lower_threshold = 0.4\nupper_threshold = 0.9",
+                "upper_threshold = 0.5",
+                "`lower_threshold` must be below `upper_threshold`",
+                "0.5",
+            ),
+            (
+                "biot_coefficient = 0.95",
+                "biot_coefficient = 1.1",
+                "`biot_coefficient` must lie between 0 and 1, found 1.1",
+                "1.1",
+            ),
+            ("\"4e-10 1/Pa\"", "0", "`storage` must be positive", "0"),
+            ("\"2 cP\"", "0", "`viscosity` must be positive", "0"),
+            ("\"1 D\"", "0", "`permeability` must be positive", "0"),
+            (
+                "aperture = \"mean\"",
+                "aperture = \"median\"",
+                "`median` is not known here",
+                "\"median\"",
+            ),
+            (
+                "transmissivity = \"paper\"",
+                "transmissivity = \"square\"",
+                "`square` is not known here",
+                "\"square\"",
+            ),
+            (
+                "end = \"10 s\"",
+                "end = \"10 s\"\nintegrator = \"tr-bdf2\"",
+                "flow in fractures needs backward-euler: its coefficients change within a step",
+                "\"tr-bdf2\"",
+            ),
+        ],
+    );
+    assert_eq!(faults(PUMPED, &["time.integrator=backward-euler"]), []);
+}
+
+#[test]
+fn fracture_flow_needs_damage_flow_and_coupling() {
+    for (heading, section) in [
+        ("[damage]", "[damage]"),
+        ("[flow]", "[flow]"),
+        ("[coupling]", "[coupling]"),
+    ] {
+        let text = without(&without(PUMPED, heading), "[cracks")
+            .replace("[horizon]\nlength_scale_ratio = 0.5\n", "");
+        let found = faults(&text, &[]);
+        let expected = (
+            format!("[fracture_flow] needs {section}"),
+            "[fracture_flow]".to_owned(),
+        );
+        assert!(found.contains(&expected), "{found:?}");
+    }
+}
+
+#[test]
+fn damaged_cracks_need_damage_and_their_fluid_a_flow_in_fractures() {
+    let text = without(PUMPED, "[fracture_flow]");
+    assert_eq!(
+        faults(&text, &[]),
+        [(
+            "a damaged crack and [flow] need [fracture_flow]".to_owned(),
+            "\"damaged\"".to_owned()
+        )]
+    );
+    check(
+        PUMPED,
+        &[
+            (
+                "kind = \"damaged\"",
+                "kind = \"cut\"",
+                "a cut crack and [flow] do not go together",
+                "\"cut\"",
+            ),
+            (
+                "kind = \"damaged\"\n",
+                "",
+                "a cut crack and [flow] do not go together",
+                "notch",
+            ),
+            (
+                "at = [0.5, 0.5]",
+                "at = [0.5, 0.5, 0]",
+                "`at` needs 2 components, found 3",
+                "[0.5, 0.5, 0]",
+            ),
+            (
+                "at = [0.5, 0.5]",
+                "at = [0.5, 5]",
+                "`at` lies outside the domain",
+                "[0.5, 5]",
+            ),
+            (
+                "injection =",
+                "pressure = \"1 MPa\"\ninjection =",
+                "`pressure` excludes `injection`",
+                "{ rate = \"1e-6 m^2/s\", at = [0.5, 0.5] }",
+            ),
+        ],
+    );
+    assert_eq!(
+        messages(&without(DISC, "[damage]"), &[]),
+        ["a damaged crack needs [damage]"]
+    );
+    let dry = "cracks.penny.injection={rate = 1, at = [0.5, 0.5, 0.5]}";
+    let text = DISC.replace("pressure = \"1 MPa\"\n", "");
+    assert_eq!(messages(&text, &[dry]), ["an `injection` needs [flow]"]);
+}
+
+#[test]
+fn a_disc_is_for_space_and_points_are_for_planes() {
+    check(
+        DISC,
+        &[
+            (
+                "kind = \"damaged\"\n",
+                "",
+                "a `disc` needs kind = \"damaged\"",
+                "{ centre = [0.5, 0.5, 0.5], normal = [0, 0, 2], radius = \"40 cm\" }",
+            ),
+            (
+                "normal = [0, 0, 2]",
+                "normal = [0, 0, 0]",
+                "`normal` must not be zero",
+                "[0, 0, 0]",
+            ),
+            (
+                "normal = [0, 0, 2]",
+                "normal = [0, 2]",
+                "`normal` needs 3 components, found 2",
+                "[0, 2]",
+            ),
+            (
+                "radius = \"40 cm\"",
+                "radius = 0",
+                "`radius` must be positive",
+                "0",
+            ),
+            (
+                "radius = \"40 cm\"",
+                "radius = 0.6",
+                "the crack leaves the domain",
+                "[0.5, 0.5, 0.5]",
+            ),
+            (
+                "centre = [0.5, 0.5, 0.5]",
+                "centre = [0.5, 0.5, 1.5]",
+                "the crack leaves the domain",
+                "[0.5, 0.5, 1.5]",
+            ),
+        ],
+    );
+    let quarter = DISC.replace("centre = [0.5, 0.5, 0.5]", "centre = [0, 1, 0.02]");
+    assert_eq!(faults(&quarter, &[]), [], "planes of symmetry cut the disc");
+    let both = messages(DISC, &["cracks.penny.points=[[0, 0], [1, 1]]"]);
+    assert_eq!(
+        both,
+        [
+            "`points` excludes `disc`",
+            "the `points` of a crack are for planes"
+        ]
+    );
+    let flat = ["geometry.size=[1, 1]", "geometry.points=[8, 8]"];
+    assert_eq!(
+        messages(DISC, &flat),
+        ["the `disc` of a crack is for three dimensions"]
+    );
+    let placeless = PUMPED.replace("points = [[0.4, 0.5], [0.6, 0.5]]\n", "");
+    assert_eq!(
+        faults(&placeless, &[]),
+        [(
+            "a crack needs `points` or a `disc`".to_owned(),
+            "notch".to_owned()
+        )]
+    );
+}
