@@ -39,6 +39,8 @@ pub struct FractureFlowStep<const D: usize> {
     name: String,
     /// Largest forces so far, N.
     largest: f64,
+    /// Velocity of the last trial and of the last accepted step, m/s: where the next one starts.
+    rates: [Vec<f64>; 2],
     passes: u64,
     searches: u64,
     products: u64,
@@ -46,7 +48,7 @@ pub struct FractureFlowStep<const D: usize> {
 
 /// Residual of the coupled linear systems. A crack that is full answers to a wrong volume with a
 /// pressure that is wrong by the ratio of its compliance to that of the fluid.
-const FORCING: f64 = 1e-8;
+const FORCING: f64 = 1e-6;
 const REMEMBERED: f64 = 1e-2;
 const SUFFICIENT: f64 = 1e-4;
 const MOST_CUTS: usize = 10;
@@ -114,6 +116,7 @@ impl<const D: usize> FractureFlowStep<D> {
             plan: damage,
             name: "monolithic (backward-euler, damage)".to_owned(),
             largest: 0.0,
+            rates: [Vec::new(), Vec::new()],
             passes: 0,
             searches: 0,
             products: 0,
@@ -189,11 +192,16 @@ impl<const D: usize> FractureFlowStep<D> {
             DamageMethod::Alternate => Softening::Fixed,
             _ => Softening::Bounded,
         };
+        let t0 = std::time::Instant::now();
         self.tangent.update(solid, damage, &state.history, &at.answer, softening);
+        let t1 = t0.elapsed().as_secs_f64();
         let stiffness = self.tangent.matrix.data();
         self.block.fill(stiffness, solid, flow, coupling, dt);
         let matrix = self.block.matrix.view();
+        let t2 = t0.elapsed().as_secs_f64();
         self.solver.refresh(matrix)?;
+        let t3 = t0.elapsed().as_secs_f64();
+        if std::env::var("DBG").is_ok() { eprintln!("       tangent {t1:.3} fill {:.3} refresh {:.3}", t2-t1, t3-t2); }
         let (width, scale) = (D + 1, self.block.layout.scale);
         let mut rhs = vec![0.0; self.block.matrix.rows()];
         for (point, force) in at.force.chunks(D).enumerate() {
@@ -275,17 +283,19 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut found = self.evaluate(model, state)?;
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
+            let tb0 = std::time::Instant::now();
             model.follow_fractures(&found.answer, &state.displacement, &state.walls);
             report.iterations += self.balance(model, old, state, dt)?;
             let at = self.evaluate(model, state)?;
+            let tb = tb0.elapsed().as_secs_f64();
             self.largest = self.largest.max(at.scale);
-            let scale = at.scale.max(REMEMBERED * self.largest);
+            let scale = at.scale.max(REMEMBERED * self.largest).max(f64::MIN_POSITIVE);
             let left: f64 = at.force.iter().map(|f| f.abs()).sum();
             if !left.is_finite() {
                 return Err(StepError::NotFinite { field: "force", point: 0, time: state.time });
             }
             if std::env::var("DBG").is_ok() {
-                eprintln!("  pass {pass} imb {:.3e} p {:.4e} broken {}", left / scale, state.pressure.iter().fold(0.0_f64, |m, p| m.max(*p)), at.answer.damage.iter().filter(|d| **d > 0.9).count());
+                eprintln!("  pass {pass} balanced {:.3} imb {:.3e} p {:.4e} broken {}", tb, left / scale, state.pressure.iter().fold(0.0_f64, |m, p| m.max(*p)), at.answer.damage.iter().filter(|d| **d > 0.9).count());
             }
             if left <= self.plan.tolerance * scale {
                 return Ok(());
@@ -294,11 +304,16 @@ impl<const D: usize> FractureFlowStep<D> {
             if pass == self.plan.iterations {
                 break;
             }
+            let t0 = std::time::Instant::now();
             let way = self.direction(model, state, &at, dt, report)?;
+            let t1 = t0.elapsed().as_secs_f64();
             self.passes += 1;
             match self.search(model, state, &at, &way)? {
                 Some(next) => found = next,
                 None => break,
+            }
+            if std::env::var("DBG").is_ok() {
+                eprintln!("      direction {t1:.3} search {:.3} it {} {:?}", t0.elapsed().as_secs_f64() - t1, report.iterations, self.chosen);
             }
         }
         Err(StepError::NotBroken {
@@ -364,8 +379,14 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         let mut report = StepReport::default();
         trial.clone_from(old);
         trial.time = old.time + dt;
+        for (u, rate) in trial.displacement.iter_mut().zip(&self.rates[1]) {
+            *u += dt * rate;
+        }
         self.solve(model, old, dt, trial, &mut report)?;
         trial.check()?;
+        self.rates[0].clear();
+        let moved = trial.displacement.iter().zip(&old.displacement);
+        self.rates[0].extend(moved.map(|(new, old)| (new - old) / dt));
         let flow = flow_of(model)?;
         let mut imbalance = vec![0.0; flow.points()];
         flow.imbalance(trial.time, &trial.pressure, &mut imbalance);
@@ -378,6 +399,11 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         advance(model, trial);
         report.growth = growth(model, old, trial);
         Ok(report)
+    }
+
+    fn accept(&mut self) {
+        let [trial, accepted] = &mut self.rates;
+        std::mem::swap(trial, accepted);
     }
 
     fn counters(&self) -> SchemeCounters {
