@@ -11,15 +11,22 @@ pub struct Case {
     pub scene: &'static str,
     /// Text of its README.md.
     pub readme: &'static str,
+    /// Names and texts of files that change the scene: `smoke` runs in seconds, `paper` has the size of
+    /// the paper.
+    pub variants: &'static [(&'static str, &'static str)],
 }
 
 macro_rules! case {
-    ($name:literal, $summary:literal) => {
+    ($name:literal, $summary:literal $(, $variant:literal)*) => {
         Case {
             name: $name,
             summary: $summary,
             scene: include_str!(concat!("../../cases/", $name, "/scene.toml")),
             readme: include_str!(concat!("../../cases/", $name, "/README.md")),
+            variants: &[$((
+                $variant,
+                include_str!(concat!("../../cases/", $name, "/", $variant, ".toml")),
+            )),*],
         }
     };
 }
@@ -70,10 +77,58 @@ pub const CASES: &[Case] = &[
         "a crack opened by pressure, against Sneddon's solution"
     ),
     case!(
+        "notched-tension",
+        "a notched square pulled apart (Sec. 5.1): a straight crack",
+        "smoke",
+        "paper"
+    ),
+    case!(
+        "notched-shear",
+        "a notched square sheared (Sec. 5.1): a crack that turns down",
+        "smoke",
+        "paper"
+    ),
+    case!(
+        "pressurised-notch",
+        "a crack driven by pressure (Sec. 5.4), against Sneddon and Griffith",
+        "smoke",
+        "paper"
+    ),
+    case!(
+        "natural-fractures",
+        "injection into a crack with natural fractures in its way (Sec. 5.5)",
+        "smoke",
+        "alone"
+    ),
+    case!(
+        "injection-rate",
+        "injection into a single crack at 2, 4 and 6 l/s (Sec. 5.5)",
+        "smoke",
+        "four",
+        "six"
+    ),
+    case!(
+        "penny-3d",
+        "a penny-shaped crack under pressure, an eighth of it in space",
+        "smoke"
+    ),
+    case!(
         "manufactured",
         "a smooth solution with its own source, for convergence studies"
     ),
 ];
+
+impl Case {
+    /// Texts of the scene, or of one of its variants, with their names for messages.
+    pub fn layers(&self, variant: Option<&str>) -> Option<Vec<(String, &'static str)>> {
+        let mut layers = vec![(format!("{} (bundled case)", self.name), self.scene)];
+        if let Some(wanted) = variant {
+            let (name, text) = self.variants.iter().find(|(name, _)| *name == wanted)?;
+            layers.push((format!("{}/{name} (bundled case)", self.name), text));
+        }
+        Some(layers)
+    }
+}
 
 /// The bundled case called `name`.
 pub fn find(name: &str) -> Option<&'static Case> {

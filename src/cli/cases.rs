@@ -21,7 +21,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let Some(name) = &args.write else {
         let lines: Vec<String> = CASES
             .iter()
-            .map(|case| format!("{:14} {}", case.name, case.summary))
+            .map(|case| {
+                let names = case.variants.iter().map(|(name, _)| format!(" /{name}"));
+                let variants: String = names.collect();
+                format!("{:17} {}{variants}", case.name, case.summary)
+            })
             .collect();
         return print(&lines.join("\n"));
     };
@@ -32,7 +36,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::Usage(message));
     };
     let folder = PathBuf::from(case.name);
-    for file in ["scene.toml", "README.md"] {
+    let mut files = vec![
+        ("scene.toml".to_owned(), case.scene),
+        ("README.md".to_owned(), case.readme),
+    ];
+    files.extend(case.variants.iter().map(|(name, text)| (format!("{name}.toml"), *text)));
+    for (file, _) in &files {
         let path = folder.join(file);
         if path.exists() {
             let message = format!("{} exists already; move it away first", path.display());
@@ -41,7 +50,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::Usage(format!("cannot create {}: {error}", folder.display())))?;
-    for (file, text) in [("scene.toml", case.scene), ("README.md", case.readme)] {
+    for (file, text) in &files {
         write_atomically(folder.join(file), |out| out.write_all(text.as_bytes()))?;
     }
     print(&format!(

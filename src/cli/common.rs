@@ -14,7 +14,8 @@ use super::exit::Failure;
 /// Scene and overrides, for every verb that reads a scene.
 #[derive(Debug, clap::Args)]
 pub struct SceneArgs {
-    /// Path of a scene file, or name of a bundled case
+    /// Path of a scene file, or name of a bundled case or of a variant of it, such as
+    /// notched-tension/smoke
     pub scene: String,
     /// Override a key: --set time.end="2 s", --set materials.left.permeability=1e8
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -54,12 +55,21 @@ impl SceneArgs {
                 .map(|s| format!("solver.name={}", quoted(s))),
         );
         let path = Path::new(&self.scene);
-        let (case, loaded) = match cases::find(&self.scene).filter(|_| !path.is_file()) {
+        let (case, variant) = match self.scene.split_once('/') {
+            Some((case, variant)) => (case, Some(variant)),
+            None => (&*self.scene, None),
+        };
+        let bundled = cases::find(case).filter(|_| !path.exists());
+        let (case, loaded) = match bundled {
             Some(case) => {
-                let name = format!("{} (bundled case)", case.name);
+                let layers = case
+                    .layers(variant)
+                    .ok_or_else(|| unknown_variant(case, variant.unwrap_or_default()))?;
+                let layers: Vec<(&str, &str)> =
+                    layers.iter().map(|(name, text)| (&**name, *text)).collect();
                 (
-                    case.name.to_owned(),
-                    scene::load_str(&name, case.scene, Path::new(""), &overrides)?,
+                    self.scene.replace('/', "-"),
+                    scene::load_layers(&layers, Path::new(""), &overrides)?,
                 )
             }
             None if path.exists() || looks_like_path(&self.scene) => {
@@ -74,6 +84,18 @@ impl SceneArgs {
 
 fn looks_like_path(name: &str) -> bool {
     name.contains(['/', '\\']) || name.ends_with(".toml")
+}
+
+fn unknown_variant(case: &cases::Case, variant: &str) -> Failure {
+    let names: Vec<&str> = case.variants.iter().map(|(name, _)| *name).collect();
+    let known = match names.is_empty() {
+        true => "it has none".to_owned(),
+        false => format!("it has {}", names.join(", ")),
+    };
+    Failure::Usage(format!(
+        "the bundled case \"{}\" has no variant \"{variant}\": {known}",
+        case.name
+    ))
 }
 
 fn unknown_case(name: &str) -> Failure {

@@ -179,7 +179,7 @@ impl<const D: usize> Model<D> {
             solid.subtract_answer(&answer, &mut force);
             let left: f64 = force.iter().map(|f| f.abs()).sum();
             let held: f64 = solid.wall_forces(&answer).iter().map(|f| f.abs()).sum();
-            let energy = answer.energy(&answer.damage) + self.stored_energy(pressure);
+            let energy = answer.energy(&answer.hourglass) + self.stored_energy(pressure);
             let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
             let scale = size(&loads) + size(&push) + held;
             return Some(Audit {

@@ -24,6 +24,7 @@ pub(super) fn build<const D: usize>(
     let law = DamageLaw {
         split: damage.split,
         residual_stiffness: damage.residual_stiffness,
+        hourglass: damage.hourglass,
         prestress: (mechanics.initial_stress.as_ref()).map_or_else(Matrix::zeros, tensor),
     };
     let horizon = &elastic.around.families.horizon;

@@ -31,7 +31,9 @@ pub struct Answer<const D: usize> {
     pub driving: Vec<f64>,
     /// Damage per point, shape `(n,)`.
     pub damage: Vec<f64>,
-    /// Hourglass energy per family without its factor 1 − s, J, shape `(n,)`.
+    /// Share of the hourglass stiffness that is left per family, shape `(n,)`.
+    pub hourglass: Vec<f64>,
+    /// Hourglass energy per family of intact rock, J, shape `(n,)`.
     pub rough: Vec<f64>,
     /// Energy of strain and what damage took, without that of the hourglass term, J (per metre of
     /// thickness in 2-D).
@@ -39,12 +41,12 @@ pub struct Answer<const D: usize> {
 }
 
 impl<const D: usize> Answer<D> {
-    /// Energy with the hourglass term weakened by `damage` (shape `(n,)`), J.
+    /// Energy with the given shares of the hourglass term left (shape `(n,)`), J.
     ///
-    /// Eq. 53 weakens that term without letting its energy drive damage, so that the force is the
-    /// derivative of this energy at fixed `damage` only.
-    pub fn energy(&self, damage: &[f64]) -> f64 {
-        let rough = self.rough.iter().zip(damage).map(|(rough, s)| (1.0 - s) * rough);
+    /// Damage weakens that term without being driven by its energy, so that the force is the derivative
+    /// of this energy at fixed shares only.
+    pub fn energy(&self, hourglass: &[f64]) -> f64 {
+        let rough = self.rough.iter().zip(hourglass).map(|(rough, left)| left * rough);
         self.bulk + rough.sum::<f64>()
     }
 }
@@ -85,7 +87,7 @@ impl<const D: usize> Damage<D> {
             let forces = elastic.family_answer(owner, |bond| difference(owner, bond), |strain| {
                 let point = self.at(elastic, history, owner, strain);
                 seen = Some((*strain, point));
-                (point.stress, 1.0 - point.damage)
+                (point.stress, self.law.hourglass(point.damage))
             });
             (seen, forces)
         };
@@ -95,6 +97,7 @@ impl<const D: usize> Damage<D> {
             strain: Vec::with_capacity(elastic.points()),
             driving: Vec::with_capacity(elastic.points()),
             damage: Vec::with_capacity(elastic.points()),
+            hourglass: Vec::with_capacity(elastic.points()),
             rough: Vec::with_capacity(elastic.points()),
             bulk: 0.0,
         };
@@ -102,6 +105,7 @@ impl<const D: usize> Damage<D> {
             let Some((strain, point)) = seen else { continue };
             let volume = elastic.around.cloud.volume[owner];
             answer.bulk += volume * point.energy;
+            answer.hourglass.push(self.law.hourglass(point.damage));
             answer.rough.push(rough);
             answer.forces.extend(forces);
             answer.strain.push(strain);

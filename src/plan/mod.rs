@@ -14,7 +14,7 @@ pub use resolve::resolve;
 pub use types::{
     Acceleration, ApertureRule, CouplingPlan, CrackKind, CrackPlace, CrackPlan, DamageMethod,
     DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan, GradientChoice,
-    GravityPlan, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice,
+    GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, OperatorChoice,
     OutputPlan, PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan,
     RegionPressure, SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StepRule, Support,
     TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,

@@ -65,7 +65,22 @@ pub fn load_file(path: &Path, overrides: &[String]) -> Result<LoadedScene, Scene
     };
     let base_dir = path.parent().unwrap_or_else(|| Path::new(""));
     match String::from_utf8(bytes) {
-        Ok(text) => load_str(&name, &text, base_dir, overrides),
+        Ok(text) => match base_of(&text) {
+            None => load_str(&name, &text, base_dir, overrides),
+            Some(base) => {
+                let file = base_dir.join(&base);
+                match std::fs::read_to_string(&file) {
+                    Ok(first) => {
+                        let layers = [(&*file.display().to_string(), &*first), (&name, &text)];
+                        load_layers(&layers, base_dir, overrides)
+                    }
+                    Err(error) => refuse(
+                        format!("cannot read the base `{base}` of the scene file `{name}`: {error}"),
+                        "`base` names a scene file beside this one, which this one changes",
+                    ),
+                }
+            }
+        },
         Err(error) => {
             let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
             let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -89,8 +104,24 @@ pub fn load_str(
     base_dir: &Path,
     overrides: &[String],
 ) -> Result<LoadedScene, SceneErrors> {
+    load_layers(&[(name, text)], base_dir, overrides)
+}
+
+/// Loads a scene from texts of which each changes those before it; each has its name for messages.
+///
+/// # Errors
+/// As [`load_str`].
+pub fn load_layers(
+    layers: &[(&str, &str)],
+    base_dir: &Path,
+    overrides: &[String],
+) -> Result<LoadedScene, SceneErrors> {
+    let Some(((name, text), changes)) = layers.split_first() else {
+        let fault = Diagnostic::new("there is no scene");
+        return Err(SceneErrors::new(vec![fault], Sources::new("", "")));
+    };
     let mut sources = Sources::new(name, text);
-    let faults = match merge(text, overrides, &mut sources) {
+    let faults = match merge(text, changes, overrides, &mut sources) {
         Ok(merged) => match build(merged.clone()) {
             Ok(scene) => {
                 return Ok(LoadedScene {
@@ -107,7 +138,18 @@ pub fn load_str(
     Err(SceneErrors::new(faults, sources))
 }
 
-fn merge(text: &str, overrides: &[String], sources: &mut Sources) -> Result<Node, Vec<Diagnostic>> {
+/// The base that a scene file names, if its text can be read so far.
+fn base_of(text: &str) -> Option<String> {
+    let table: toml::Table = text.parse().ok()?;
+    Some(table.get(overrides::BASE)?.as_str()?.to_owned())
+}
+
+fn merge(
+    text: &str,
+    changes: &[(&str, &str)],
+    overrides: &[String],
+    sources: &mut Sources,
+) -> Result<Node, Vec<Diagnostic>> {
     let blank = |line: &str| line.trim().is_empty() || line.trim().starts_with('#');
     if text.trim_start_matches('\u{feff}').lines().all(blank) {
         let fault = Diagnostic::new("the scene file is empty");
@@ -116,6 +158,9 @@ fn merge(text: &str, overrides: &[String], sources: &mut Sources) -> Result<Node
         ]);
     }
     let mut root = tree::parse(text, 0)?;
+    for (name, text) in changes {
+        overrides::lay_over(&mut root, name, text, sources)?;
+    }
     let faults = overrides::apply(&mut root, overrides, sources);
     if faults.is_empty() {
         Ok(root)
@@ -284,6 +329,23 @@ end = "10 s"
                 .to_string()
                 .contains("duplicate key")
         );
+    }
+
+    #[test]
+    fn a_file_may_change_another_one() {
+        let change = "base = \"small.toml\"\n[time]\nmax_step = \"1 s\"\n[materials.a_second]\n\
+                      storage = 3e-10\nregion = { type = \"box\", min = [0, 0], max = [0.4, 1] }\n";
+        let layers = [("small.toml", SMALL), ("smoke.toml", change)];
+        let loaded = load_layers(&layers, Path::new(""), &[]).unwrap();
+        assert_eq!(loaded.scene.time.end.unwrap().value(), 10.0);
+        assert_eq!(loaded.scene.time.max_step.unwrap().value(), 1.0);
+        let second = loaded.scene.materials.get("a_second").unwrap();
+        assert_eq!(second.storage(), Some(Storage::Given(3e-10)));
+        assert!(second.permeability.is_some());
+        assert!(loaded.resolved_toml().contains("0.4"));
+        let wrong = [("small.toml", SMALL), ("smoke.toml", "[time]\nmax_step = 1 s\n")];
+        let text = load_layers(&wrong, Path::new(""), &[]).unwrap_err().to_string();
+        assert!(text.contains("smoke.toml:2:12"), "{text}");
     }
 
     #[test]

@@ -33,7 +33,7 @@ mod rules_tests;
 
 pub use diagnostics::{Diagnostic, SceneErrors};
 pub use load::{Load, TimeSeries};
-pub use loading::{LoadedScene, load_file, load_str};
+pub use loading::{LoadedScene, load_file, load_layers, load_str};
 pub use quantity::{Dimension, Quantity};
 pub use schema::json_schema;
 pub use sections::*;

@@ -26,6 +26,43 @@ pub(super) fn apply(
     faults
 }
 
+/// Lays a second file over the tree: its sections add to those of the first, its values replace them.
+pub(super) fn lay_over(
+    root: &mut Node,
+    name: &str,
+    text: &str,
+    sources: &mut Sources,
+) -> Result<(), Vec<Diagnostic>> {
+    let offset = sources.add(name, text);
+    let Value::Table(mut table) = tree::parse(text, offset)?.value else {
+        return Ok(());
+    };
+    table.entries.retain(|item| item.key != BASE);
+    let inline = |span: Span| text[span.start - offset..].starts_with('{');
+    lay(root, table, &inline);
+    Ok(())
+}
+
+/// Key of a scene file that names the file it changes.
+pub(super) const BASE: &str = "base";
+
+fn lay(target: &mut Node, new: Table, inline: &dyn Fn(Span) -> bool) {
+    let Value::Table(table) = &mut target.value else {
+        return;
+    };
+    for item in new.entries {
+        match (table.get_mut(&item.key), &item.node.value) {
+            (Some(old), Value::Table(inner))
+                if !inline(item.node.span) && matches!(old.node.value, Value::Table(_)) =>
+            {
+                lay(&mut old.node, inner.clone(), inline);
+            }
+            (Some(old), _) => old.node = item.node,
+            (None, _) => table.entries.push(item),
+        }
+    }
+}
+
 fn read(text: &str, offset: usize) -> Result<Node, Vec<Diagnostic>> {
     let whole = Span {
         start: offset,

@@ -41,6 +41,17 @@ impl EnergySplit {
     }
 }
 
+/// How damage weakens the hourglass term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HourglassRule {
+    /// By g(s), like the stress.
+    Degraded,
+    /// By 1 − s, Eq. 53. Where a crack opens by w the force then falls like 1/w only, and the work
+    /// against it grows without bound.
+    Linear,
+}
+
 /// The law of damage, the same at all points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamageLaw<const D: usize> {
@@ -50,6 +61,8 @@ pub struct DamageLaw<const D: usize> {
     pub residual_stiffness: f64,
     /// Effective stress σ⁰ before the run, Pa, tension positive.
     pub prestress: Matrix<D>,
+    /// How damage weakens the hourglass term.
+    pub hourglass: HourglassRule,
 }
 
 /// What a point with damage answers to a strain.
@@ -82,6 +95,14 @@ impl<const D: usize> DamageLaw<D> {
     pub fn degradation(&self, damage: f64) -> f64 {
         let k = self.residual_stiffness;
         (1.0 - k) * (1.0 - damage).powi(2) + k
+    }
+
+    /// Share of the hourglass stiffness that is left.
+    pub fn hourglass(&self, damage: f64) -> f64 {
+        match self.hourglass {
+            HourglassRule::Degraded => self.degradation(damage),
+            HourglassRule::Linear => 1.0 - damage,
+        }
     }
 
     /// Answer to `strain` of a point that has seen `history`.

@@ -20,6 +20,7 @@ fn law<const D: usize>(split: EnergySplit, prestress: f64) -> DamageLaw<D> {
     DamageLaw {
         split,
         residual_stiffness: 1e-3,
+        hourglass: HourglassRule::Degraded,
         prestress: Matrix::from_fn(|a, b| prestress * if a == b { 1.0 } else { 0.2 }),
     }
 }
@@ -138,6 +139,7 @@ fn a_bar_breaks_at_the_peak_of_the_closed_form() {
         split: EnergySplit::Spectral,
         residual_stiffness: 1e-12,
         prestress: Matrix::zeros(),
+        hourglass: HourglassRule::Degraded,
     };
     let critical = (2.0 * TOUGHNESS / (3.0 * modulus)).sqrt();
     let strength = 3.0 * 3.0_f64.sqrt() / 16.0 * (2.0 * modulus * TOUGHNESS).sqrt();

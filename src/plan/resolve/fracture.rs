@@ -3,7 +3,7 @@
 use super::Resolver;
 use crate::plan::types::{
     ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan, EnergySplit,
-    FractureFlowPlan, InjectionPlan, TransmissivityRule,
+    FractureFlowPlan, HourglassRule, InjectionPlan, TransmissivityRule,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, disc_in_plane, points_in_space};
@@ -77,6 +77,10 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
             scene::EnergySplit::None => EnergySplit::None,
         },
         residual_stiffness: damage.residual_stiffness.value(),
+        hourglass: match damage.hourglass {
+            scene::Hourglass::Degraded => HourglassRule::Degraded,
+            scene::Hourglass::Linear => HourglassRule::Linear,
+        },
         normalise: damage.normalise,
         method: match damage.method {
             scene::DamageMethod::Auto => DamageMethod::Auto,

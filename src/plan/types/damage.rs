@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-pub use crate::material::EnergySplit;
+pub use crate::material::{EnergySplit, HourglassRule};
 
 /// Variational damage (Eqs. 20 to 35).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +13,8 @@ pub struct DamagePlan {
     pub split: EnergySplit,
     /// Share k of the stiffness that is never lost.
     pub residual_stiffness: f64,
+    /// How damage weakens the hourglass term.
+    pub hourglass: HourglassRule,
     /// Whether the fracture energy is scaled by ℓ/2δ, so that a crack costs what it should.
     pub normalise: bool,
     /// How equilibrium with damage is found.

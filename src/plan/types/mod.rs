@@ -11,7 +11,7 @@ use serde::Serialize;
 
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
-    ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, TransmissivityRule,
+    ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, HourglassRule, TransmissivityRule,
 };
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};

@@ -21,6 +21,9 @@ pub struct Damage {
     /// Share k of the stiffness that broken rock keeps, 1e-14 to 0.1.
     #[serde(default = "nearly_nothing")]
     pub residual_stiffness: Number,
+    /// How damage weakens the hourglass term.
+    #[serde(default)]
+    pub hourglass: Hourglass,
     /// Scales the fracture energy by ℓ/2δ, so that a crack takes G_c whatever the horizon is.
     #[serde(default)]
     pub normalise: bool,
@@ -53,6 +56,17 @@ pub enum EnergySplit {
     VolumetricDeviatoric,
     /// All of the energy breaks the rock.
     None,
+}
+
+/// How damage weakens the hourglass term.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hourglass {
+    /// By the factor of the stress, (1 − s)².
+    #[default]
+    Degraded,
+    /// By 1 − s, as printed (Eq. 53): opening a crack then takes work without bound.
+    Linear,
 }
 
 /// Ways to equilibrium with damage.

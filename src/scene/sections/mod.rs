@@ -22,7 +22,7 @@ mod wells;
 pub use coupling::Coupling;
 pub use cracks::{Crack, CrackDisc, CrackKind, Injection};
 pub(crate) use cracks::{disc_in_plane, points_in_space};
-pub use damage::{Damage, DamageMethod, EnergySplit};
+pub use damage::{Damage, DamageMethod, EnergySplit, Hourglass};
 pub use flow::{
     Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition, PressureRegion,
     SealedCondition,

@@ -237,8 +237,8 @@ impl<const D: usize> FractureFlowStep<D> {
         let (start, balanced) = (state.displacement.clone(), state.pressure.clone());
         let slope = dot(&at.force, &way.displacement);
         let work = dot(&external, &way.displacement);
-        let damage = &at.answer.damage;
-        let high = at.answer.energy(damage);
+        let left_over = &at.answer.hourglass;
+        let high = at.answer.energy(left_over);
         let rounding = 1e-13 * high.abs();
         let mut length = 1.0;
         for _ in 0..MOST_CUTS {
@@ -250,7 +250,7 @@ impl<const D: usize> FractureFlowStep<D> {
             step(&mut state.pressure, &balanced, &way.pressure);
             let next = self.evaluate(model, state)?;
             let flow = length * (way.bend[0] + length * way.bend[1]);
-            let fallen = high - next.answer.energy(damage) + length * work - flow;
+            let fallen = high - next.answer.energy(left_over) + length * work - flow;
             if fallen >= SUFFICIENT * length * slope - rounding {
                 return Ok(Some(next));
             }

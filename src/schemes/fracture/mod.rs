@@ -68,9 +68,9 @@ struct Trial<const D: usize> {
 }
 
 impl<const D: usize> Trial<D> {
-    /// Energy less the work of the loads, the hourglass term weakened by `damage`, J.
-    fn potential(&self, damage: &[f64]) -> f64 {
-        self.answer.energy(damage) - self.work
+    /// Energy less the work of the loads, with the given shares of the hourglass term left, J.
+    fn potential(&self, hourglass: &[f64]) -> f64 {
+        self.answer.energy(hourglass) - self.work
     }
 }
 
@@ -226,21 +226,21 @@ impl<const D: usize> Fracture<D> {
             state.displacement.clear();
             state.displacement.extend(moved);
         };
-        let damage = &at.answer.damage;
-        let high = at.potential(damage);
+        let left_over = &at.answer.hourglass;
+        let high = at.potential(left_over);
         let rounding = 1e-14 * (at.answer.bulk.abs() + at.work.abs());
         let mut length = 1.0;
         for _ in 0..MOST_CUTS {
             place(state, length);
             let next = self.evaluate(solid, state, external);
             self.searches += 1;
-            let fallen = high - next.potential(damage);
+            let fallen = high - next.potential(left_over);
             let left = dot(&next.force, change);
             if fallen >= SUFFICIENT * length * slope - rounding {
                 if length < 1.0 || left <= STEEP * slope {
                     return Some(next);
                 }
-                return Some(self.stretch(solid, state, external, (slope, left), (damage, next), &place, change));
+                return Some(self.stretch(solid, state, external, (slope, left), (left_over, next), &place, change));
             }
             // Minimum of the parabola through both energies and the slope at the start.
             let bent = 2.0 * (slope * length - fallen);
@@ -259,7 +259,7 @@ impl<const D: usize> Fracture<D> {
         state: &mut State,
         external: &[f64],
         (slope, left): (f64, f64),
-        (damage, found): (&[f64], Trial<D>),
+        (left_over, found): (&[f64], Trial<D>),
         place: &dyn Fn(&mut State, f64),
         change: &[f64],
     ) -> Trial<D> {
@@ -271,7 +271,7 @@ impl<const D: usize> Fracture<D> {
         let next = self.evaluate(solid, state, external);
         self.searches += 1;
         let steeper = dot(&next.force, change);
-        if next.potential(damage) < found.potential(damage) && steeper > -slope {
+        if next.potential(left_over) < found.potential(left_over) && steeper > -slope {
             return next;
         }
         place(state, 1.0);
@@ -328,7 +328,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
             let exact = self.rest == 0;
             let s0 = self.searches;
             let rf = self.tangent.refilled;
-            let before = at.potential(&at.answer.damage);
+            let before = at.potential(&at.answer.hourglass);
             match self.search(solid, state, &external, &at, &change) {
                 Some(next) => at = next,
                 // The exact tangent may have led astray; the others always lead down.
@@ -336,7 +336,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
                 None => break,
             }
             if std::env::var("DBG").is_ok() {
-                eprintln!("  pass {pass} imb {imbalance:.2e} inner {inner} dir {t1:.3}s all {:.3}s searches {} rest {} dE {:.3e} refilled {rf} fb {} broken {}", t0.elapsed().as_secs_f64(), self.searches - s0, self.rest, at.potential(&at.answer.damage) - before, self.fallbacks, at.answer.damage.iter().filter(|d| **d > 0.9).count());
+                eprintln!("  pass {pass} imb {imbalance:.2e} inner {inner} dir {t1:.3}s all {:.3}s searches {} rest {} dE {:.3e} refilled {rf} fb {} broken {}", t0.elapsed().as_secs_f64(), self.searches - s0, self.rest, at.potential(&at.answer.hourglass) - before, self.fallbacks, at.answer.damage.iter().filter(|d| **d > 0.9).count());
             }
         }
         Err(StepError::NotBroken {

@@ -19,7 +19,7 @@ pub struct TangentMatrix<const D: usize> {
     /// K over unknowns, N/m.
     pub matrix: CsrMatrix,
     tangents: Vec<Tangent<D>>,
-    /// Factor 1 − s of the hourglass stiffness per point.
+    /// Share of the hourglass stiffness that is left per point.
     integrity: Vec<f64>,
     /// Change below which rows are kept; 0 refills all that changed at all.
     pub kept: f64,
@@ -70,7 +70,7 @@ impl<const D: usize> TangentMatrix<D> {
         let elastic = &solid.elastic;
         let next = damage.tangents(elastic, history, &answer.strain, softening);
         let moved = |i: usize| {
-            let integrity = (1.0 - answer.damage[i]) / self.integrity[i] - 1.0;
+            let integrity = answer.hourglass[i] / self.integrity[i] - 1.0;
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
             // What is nearly gone must not keep a stiffness many times its own.
             let weakest = next[i].shear.amin() / elastic.lame[i].mu;
@@ -83,7 +83,7 @@ impl<const D: usize> TangentMatrix<D> {
         }
         for i in (0..next.len()).filter(|i| changed[*i]) {
             self.tangents[i] = next[i];
-            self.integrity[i] = 1.0 - answer.damage[i];
+            self.integrity[i] = answer.hourglass[i];
         }
         let moduli = Damaged {
             elastic,
