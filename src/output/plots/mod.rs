@@ -6,6 +6,7 @@
 //! signed values, and the palette of Okabe and Ito for curves.
 
 mod axes;
+mod bar;
 mod canvas;
 mod colours;
 mod curves;
@@ -15,6 +16,7 @@ mod font;
 mod layout;
 mod legend;
 mod lines;
+mod page;
 mod raster;
 mod ticks;
 mod units;
