@@ -87,7 +87,7 @@ impl Grid {
         }
         let mut grid = Self::place(contents, &room, &tiling)?;
         for note in &notes {
-            let width = contents.width - 2.0 * room.size;
+            let width = contents.width - grid.left - room.size;
             grid.notes.extend(wrap(note, room.size, false, width)?);
         }
         grid.height = (grid.height + 1.5 * room.size * grid.notes.len() as f64).ceil();
@@ -145,7 +145,7 @@ impl Room {
             size,
             left: 3.7 * size + widest(&contents.y.ticks(8), size)?,
             right: 4.5 * size + widest(&contents.bar.ticks(8), size)?,
-            gap: (1.2 * size).max(across + 0.6 * size),
+            gap: (1.2 * size).max(across + size),
             head: 1.9 * size,
             column: label,
             least: across + 1.5 * size,

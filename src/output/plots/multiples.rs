@@ -183,7 +183,7 @@ fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, grid: &Grid, metres: &str) -
     };
     for (index, line) in grid.notes.iter().enumerate() {
         let y = grid.notes_top + 1.5 * size * index as f64;
-        canvas.text(line, (size, y), dim)?;
+        canvas.text(line, (grid.left, y), dim)?;
     }
     let label = Text::new(1.08 * size, Anchor::Middle);
     canvas.text(&axis_label("x", metres), grid.x_label, label)?;

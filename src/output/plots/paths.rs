@@ -107,11 +107,15 @@ fn draw(plot: &PathPlot<'_>) -> Drawn<String> {
         .fold(0.0, |most: f64, end| most.max(end.abs()));
     let metres = engineering("m", 0.5 * farthest);
     let (x, y) = window.axes();
+    let unit = match plot.points {
+        [] => String::new(),
+        _ => axis_label("time", &seconds.unit),
+    };
     let content = Content {
         width: WIDTH,
         title: plot.title,
         time: "",
-        unit: &axis_label("time", &seconds.unit),
+        unit: &unit,
         notes: &notes(plot, &colours),
         x: x.divided(metres.divisor),
         y: y.divided(metres.divisor),
