@@ -13,7 +13,7 @@ use super::lines::render;
 use super::multiples::unsupported;
 use super::page::Page;
 use super::raster::Window;
-use super::units::{axis_label, engineering};
+use super::units::{Shown, axis_label, engineering};
 use super::{Drawn, Place};
 use crate::output::{OutputError, write_atomically};
 
@@ -98,14 +98,7 @@ fn draw(plot: &PathPlot<'_>) -> Drawn<String> {
     };
     let times = plot.points.iter().map(|point| point[2]);
     let colours = ColourScale::over(times, None, false);
-    let latest = colours.axis.high.abs().max(colours.axis.low.abs());
-    let seconds = engineering("s", latest);
-    // Halved, so that a domain of 10 cm is told in millimetres.
-    let farthest = [low, high]
-        .concat()
-        .iter()
-        .fold(0.0, |most: f64, end| most.max(end.abs()));
-    let metres = engineering("m", 0.5 * farthest);
+    let (seconds, metres) = handy_units(&colours, plot.bounds);
     let (x, y) = window.axes();
     let unit = match plot.points {
         [] => String::new(),
@@ -134,14 +127,32 @@ fn draw(plot: &PathPlot<'_>) -> Drawn<String> {
             page.bar(&colours).draw(canvas)?;
         }
         page.axes(canvas)?;
-        for line in plot.initial {
-            for piece in clipped(line, plot.bounds) {
-                let places: Vec<Place> = piece.into_iter().map(place).collect();
-                canvas.polyline(&places, STROKE, BLACK)?;
-            }
-        }
+        draw_initial(canvas, plot, place)?;
         draw_points(canvas, &visible(plot, place), &colours)
     })
+}
+
+/// Units of the times and of the axes.
+fn handy_units(colours: &ColourScale, [low, high]: [[f64; 2]; 2]) -> (Shown, Shown) {
+    let latest = colours.axis.high.abs().max(colours.axis.low.abs());
+    let ends = [low, high].concat();
+    let farthest = ends.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
+    // Halved, so that a domain of 10 cm is told in millimetres.
+    (engineering("s", latest), engineering("m", 0.5 * farthest))
+}
+
+fn draw_initial<B: DrawingBackend>(
+    canvas: &mut Canvas<B>,
+    plot: &PathPlot<'_>,
+    place: impl Fn([f64; 2]) -> Place,
+) -> Drawn<()> {
+    for line in plot.initial {
+        for piece in clipped(line, plot.bounds) {
+            let places: Vec<Place> = piece.into_iter().map(&place).collect();
+            canvas.polyline(&places, STROKE, BLACK)?;
+        }
+    }
+    Ok(())
 }
 
 fn notes(plot: &PathPlot<'_>, colours: &ColourScale) -> Vec<String> {
