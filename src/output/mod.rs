@@ -18,7 +18,10 @@ mod vtu;
 pub use atomic::write_atomically;
 pub use error::OutputError;
 pub use history::{History, Table};
-pub use plots::{FieldPlot, LinePlot, LineStyle, Scale, Series, field_png, lines_svg};
+pub use plots::{
+    FieldPlot, LinePlot, LineStyle, Multiples, PathPlot, Scale, Series, animation_png, field_png,
+    lines_svg, multiples_png, paths_svg,
+};
 pub use pvd::Pvd;
 pub use pvtu::write_pvtu;
 pub use summary::write_json;

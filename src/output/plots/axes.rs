@@ -219,7 +219,8 @@ impl Axes<'_> {
         (self.size / 14.0).round().max(1.0)
     }
 
-    fn draw_x<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    /// Draws marks and numbers below the frame.
+    pub fn draw_x<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let (frame, size, line) = (self.frame, self.size, self.line());
         for at in self.x.minor_ticks() {
             let (x, bottom) = frame.place((self.x.fraction(at), 0.0));
@@ -237,7 +238,8 @@ impl Axes<'_> {
         Ok(())
     }
 
-    fn draw_y<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    /// Draws marks and numbers to the left of the frame.
+    pub fn draw_y<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let (frame, size, line) = (self.frame, self.size, self.line());
         for at in self.y.minor_ticks() {
             let (left, y) = frame.place((0.0, self.y.fraction(at)));

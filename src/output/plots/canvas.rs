@@ -161,8 +161,11 @@ impl<B: DrawingBackend> Canvas<B> {
             .map_err(|e| e.to_string())
     }
 
-    /// One line of text; control characters, which XML forbids, become spaces.
+    /// One line of text, or nothing if it is empty; control characters, which XML forbids, become spaces.
     pub fn text(&mut self, text: &str, (x, y): Place, how: Text) -> Drawn<()> {
+        if text.is_empty() {
+            return Ok(());
+        }
         let [r, g, b] = how.colour;
         let style = BackendText {
             size: how.size * self.units,

@@ -35,11 +35,20 @@ impl ColourScale {
     /// Covers `range` if given, else all `values` that can be shown. Ranges that are symmetric about
     /// zero within 20 % get the diverging map with white at zero.
     pub fn new(values: &[f64], range: Option<(f64, f64)>, logarithmic: bool) -> Self {
+        Self::over(values.iter().copied(), range, logarithmic)
+    }
+
+    /// The same as [`ColourScale::new`] for values from several places.
+    pub fn over(
+        values: impl Iterator<Item = f64>,
+        range: Option<(f64, f64)>,
+        logarithmic: bool,
+    ) -> Self {
         let usable = range.filter(|&(low, high)| {
             low.is_finite() && high > low && high.is_finite() && !(logarithmic && low <= 0.0)
         });
         let (axis, constant) = usable.map_or_else(
-            || Axis::covering(values.iter().copied(), logarithmic),
+            || Axis::covering(values, logarithmic),
             |(low, high)| {
                 (
                     Axis {
@@ -79,6 +88,39 @@ impl ColourScale {
         VIRIDIS
             .eval_continuous(self.axis.fraction(value).clamp(0.0, 1.0))
             .into_array()
+    }
+
+    /// What a reader must know of these values besides their colours.
+    pub fn remarks(&self, values: impl Iterator<Item = f64>) -> Vec<String> {
+        let axis = self.axis;
+        let (mut total, mut grey, mut beyond) = (0_usize, 0_usize, 0_usize);
+        for value in values {
+            total += 1;
+            let shown = axis.shows(value);
+            grey += usize::from(!shown);
+            beyond += usize::from(shown && !(axis.low..=axis.high).contains(&value));
+        }
+        let mut remarks = Vec::new();
+        if total == 0 {
+            remarks.push("no points".to_owned());
+        }
+        if grey > 0 {
+            let kind = if axis.logarithmic {
+                "not finite or not positive"
+            } else {
+                "not finite"
+            };
+            remarks.push(format!("grey: {grey} of {total} values are {kind}"));
+        }
+        if beyond > 0 {
+            remarks.push(format!(
+                "{beyond} of {total} values lie beyond the ends of the colour bar"
+            ));
+        }
+        if self.constant {
+            remarks.push("all values are equal".to_owned());
+        }
+        remarks
     }
 }
 

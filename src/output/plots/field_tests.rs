@@ -67,14 +67,14 @@ fn plot<'a>(positions: &'a [f64], sizes: &'a [f64], values: &'a [f64]) -> FieldP
 fn frame_of(plot: &FieldPlot<'_>) -> crate::output::plots::axes::Frame {
     let colours = ColourScale::new(plot.values, plot.range, plot.scale == Scale::Log10);
     let (_, window) = cells(plot, &colours);
-    let (bar, metres) = units(plot, &colours, &window);
+    let (bar, metres) = units(plot.unit, &colours, &window);
     let (x, y) = window.axes();
     let content = Content {
         width: f64::from(plot.width_px),
         title: plot.title,
         time: "t",
         unit: &bar.unit,
-        notes: &notes(plot, &colours),
+        notes: &colours.remarks(plot.values.iter().copied()),
         x: x.divided(metres.divisor),
         y: y.divided(metres.divisor),
         bar: colours.axis.divided(bar.divisor),
@@ -135,7 +135,8 @@ fn values_that_are_not_finite_are_grey_and_the_others_keep_their_colour() {
     let plot = plot(&positions, &[1.0; 2], &[f64::NAN, 3.0]);
     let image = picture(&plot);
     assert!(image.count(MISSING) > 1000);
-    assert!(notes(&plot, &ColourScale::new(plot.values, None, false))[0].contains("1 of 2"));
+    let colours = ColourScale::new(plot.values, None, false);
+    assert!(colours.remarks(plot.values.iter().copied())[0].contains("1 of 2"));
     let nothing = picture(&self::plot(
         &positions,
         &[1.0; 2],

@@ -153,7 +153,7 @@ fn bar_place(frame: &Frame, size: f64, bar_below: bool, has_unit: bool) -> (Fram
 
 /// Largest frame of the given aspect (height over width) within the limits; no side gets shorter
 /// than `least`, and then the aspect is given up.
-fn frame_size(wide: f64, high: f64, aspect: f64, least: f64) -> (f64, f64, bool) {
+pub(super) fn frame_size(wide: f64, high: f64, aspect: f64, least: f64) -> (f64, f64, bool) {
     let width = wide.min(high / aspect).max(least);
     let height = (width * aspect).min(high).max(least);
     let to_scale = (height / (width * aspect) - 1.0).abs() < 0.02;

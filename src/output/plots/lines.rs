@@ -238,7 +238,7 @@ fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, layout: &Layout) -> Drawn<()
 }
 
 /// Draws in fine units and gives the drawing its size in pixels.
-fn render(
+pub(super) fn render(
     title: &str,
     (width, height): (f64, f64),
     paint: impl FnOnce(&mut Canvas<SVGBackend<'_>>) -> Drawn<()>,

@@ -37,16 +37,47 @@ impl Picture {
     /// The picture as a PNG file.
     pub fn encode(&self) -> Drawn<Vec<u8>> {
         let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+        let mut writer = self
+            .encoder(&mut bytes)
+            .write_header()
+            .map_err(|e| e.to_string())?;
         writer
             .write_image_data(&self.pixels)
             .map_err(|e| e.to_string())?;
         writer.finish().map_err(|e| e.to_string())?;
         Ok(bytes)
     }
+
+    fn encoder<'a>(&self, bytes: &'a mut Vec<u8>) -> png::Encoder<'static, &'a mut Vec<u8>> {
+        let mut encoder = png::Encoder::new(bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder
+    }
+}
+
+/// Pictures of one size as an animated PNG file that runs without end, each shown for
+/// `milliseconds`. They are drawn one after the other, so that only one is held at a time.
+pub(super) fn encode_animation(
+    mut pictures: impl ExactSizeIterator<Item = Drawn<Picture>>,
+    milliseconds: u16,
+) -> Drawn<Vec<u8>> {
+    let count = u32::try_from(pictures.len()).map_err(|e| e.to_string())?;
+    let first = pictures.next().ok_or("there are no frames")??;
+    let mut bytes = Vec::new();
+    let mut encoder = first.encoder(&mut bytes);
+    encoder
+        .set_animated(count, 0)
+        .and_then(|()| encoder.set_frame_delay(milliseconds, 1000))
+        .map_err(|e| e.to_string())?;
+    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+    for picture in std::iter::once(Ok(first)).chain(pictures) {
+        writer
+            .write_image_data(&picture?.pixels)
+            .map_err(|e| e.to_string())?;
+    }
+    writer.finish().map_err(|e| e.to_string())?;
+    Ok(bytes)
 }
 
 /// A square cell around a point, all lengths in metres.
