@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Elastic;
 use crate::geometry::{Matrix, Vector};
-use crate::material::{DamageLaw, PointAnswer, Softening, Tangent};
+use crate::material::{DamageLaw, HourglassRule, PointAnswer, Softening, Tangent};
 
 /// Damage at all points.
 #[derive(Debug)]
@@ -33,18 +33,18 @@ pub struct Answer<const D: usize> {
     pub damage: Vec<f64>,
     /// Share of the hourglass stiffness that is left per family, shape `(n,)`.
     pub hourglass: Vec<f64>,
-    /// Hourglass energy per family of intact rock, J, shape `(n,)`.
+    /// Hourglass energy per family that drives no damage, J, shape `(n,)`.
     pub rough: Vec<f64>,
-    /// Energy of strain and what damage took, without that of the hourglass term, J (per metre of
-    /// thickness in 2-D).
+    /// Energy of strain and what damage took, without what is in `rough`, J (per metre of thickness in
+    /// 2-D).
     pub bulk: f64,
 }
 
 impl<const D: usize> Answer<D> {
     /// Energy with the given shares of the hourglass term left (shape `(n,)`), J.
     ///
-    /// Damage weakens that term without being driven by its energy, so that the force is the derivative
-    /// of this energy at fixed shares only.
+    /// Where Eq. 53 weakens that term without being driven by its energy, the force is the derivative of
+    /// this energy at fixed shares only.
     pub fn energy(&self, hourglass: &[f64]) -> f64 {
         let rough = self.rough.iter().zip(hourglass).map(|(rough, left)| left * rough);
         self.bulk + rough.sum::<f64>()
@@ -62,16 +62,18 @@ impl<const D: usize> Damage<D> {
         }
     }
 
-    /// Answer of one point.
+    /// Answer of one point with the hourglass energy `rough` of its family, J.
     pub fn at(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
         owner: usize,
         strain: &Matrix<D>,
+        rough: f64,
     ) -> PointAnswer<D> {
         let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
-        self.law.answer(lame, toughness, history[owner], strain)
+        let rough = rough / elastic.around.cloud.volume[owner];
+        self.law.answer(lame, toughness, history[owner], strain, rough)
     }
 
     /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
@@ -84,8 +86,8 @@ impl<const D: usize> Damage<D> {
         self.evaluations.fetch_add(elastic.points() as u64, Ordering::Relaxed);
         let forces = |owner: usize| {
             let mut seen = None;
-            let forces = elastic.family_answer(owner, |bond| difference(owner, bond), |strain| {
-                let point = self.at(elastic, history, owner, strain);
+            let forces = elastic.family_answer(owner, |bond| difference(owner, bond), |strain, rough| {
+                let point = self.at(elastic, history, owner, strain, rough);
                 seen = Some((*strain, point));
                 (point.stress, self.law.hourglass(point.damage))
             });
@@ -106,7 +108,10 @@ impl<const D: usize> Damage<D> {
             let volume = elastic.around.cloud.volume[owner];
             answer.bulk += volume * point.energy;
             answer.hourglass.push(self.law.hourglass(point.damage));
-            answer.rough.push(rough);
+            answer.rough.push(match self.law.hourglass {
+                HourglassRule::Variational => 0.0,
+                HourglassRule::Linear => rough,
+            });
             answer.forces.extend(forces);
             answer.strain.push(strain);
             answer.driving.push(point.driving);
@@ -115,19 +120,20 @@ impl<const D: usize> Damage<D> {
         answer
     }
 
-    /// Tangents of all points at the strains of an answer.
+    /// Tangents of all points at an answer.
     pub fn tangents(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
-        strain: &[Matrix<D>],
+        answer: &Answer<D>,
         softening: Softening,
     ) -> Vec<Tangent<D>> {
         let at = |(owner, strain): (usize, &Matrix<D>)| {
             let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
-            self.law.tangent(lame, toughness, history[owner], strain, softening)
+            let seen = (history[owner], answer.driving[owner]);
+            self.law.tangent(lame, toughness, seen, strain, softening)
         };
-        strain.par_iter().enumerate().map(at).collect()
+        answer.strain.par_iter().enumerate().map(at).collect()
     }
 
     /// Raises `history` (J/m³, shape `(n,)`) to what an answer drove.

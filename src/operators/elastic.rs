@@ -114,17 +114,18 @@ impl<const D: usize> Elastic<D> {
     ) -> Vec<Vector<D>> {
         let forces = |owner: usize| {
             let difference = |bond: usize| difference(owner, bond);
-            self.family_answer(owner, difference, |strain| answer(owner, strain)).0
+            self.family_answer(owner, difference, |strain, _| answer(owner, strain)).0
         };
         (0..self.points()).into_par_iter().flat_map_iter(forces).collect()
     }
 
-    /// Forces on the ends of the bonds of one family, N, and the hourglass energy without its factor, J.
+    /// Forces on the ends of the bonds of one family, N, and its hourglass energy, J, without the factor
+    /// that `answer(strain, energy)` gives beside the stress.
     pub(super) fn family_answer(
         &self,
         owner: usize,
         difference: impl Fn(usize) -> Vector<D>,
-        answer: impl FnOnce(&Matrix<D>) -> (Matrix<D>, f64),
+        answer: impl FnOnce(&Matrix<D>, f64) -> (Matrix<D>, f64),
     ) -> (Vec<Vector<D>>, f64) {
         let around = &self.around;
         let family = around.families.family(owner);
@@ -141,17 +142,18 @@ impl<const D: usize> Elastic<D> {
                 }
             }
         }
-        let (stress, factor) = answer(&((slope + slope.transpose()) * 0.5));
+        let rest = |bond: usize, own: &Vector<D>| own - plain * around.bond_vector(owner, bond);
+        let pairs = || family.clone().zip(&differences);
+        let squares = pairs().map(|(bond, own)| around.measure[bond] * rest(bond, own).norm_squared());
+        let rough = 0.5 * self.hourglass[owner] * squares.sum::<f64>();
+        let (stress, factor) = answer(&((slope + slope.transpose()) * 0.5), rough);
         let stress = stress * around.cloud.volume[owner];
         let hourglass = self.hourglass[owner] * factor;
-        let mut rough = 0.0;
         let force = |(bond, own): (usize, &Vector<D>)| {
-            let rest = own - plain * around.bond_vector(owner, bond);
-            rough += 0.5 * self.hourglass[owner] * around.measure[bond] * rest.norm_squared();
-            stress * self.gradient.weight[bond] + rest * (hourglass * around.measure[bond])
+            let held = rest(bond, own) * (hourglass * around.measure[bond]);
+            stress * self.gradient.weight[bond] + held
         };
-        let forces = family.zip(&differences).map(force).collect();
-        (forces, rough)
+        (pairs().map(force).collect(), rough)
     }
 
     /// Sums bond forces to the derivative of the energy at every point, shape `(n·D,)`, N.

@@ -45,10 +45,11 @@ impl EnergySplit {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HourglassRule {
-    /// By g(s), like the stress.
-    Degraded,
-    /// By 1 − s, Eq. 53. Where a crack opens by w the force then falls like 1/w only, and the work
-    /// against it grows without bound.
+    /// Its energy drives damage and is weakened by g(s) like the rest: forces are the derivative of an
+    /// energy, and a crack takes what damage takes.
+    Variational,
+    /// By 1 − s, Eq. 53, and its energy drives nothing: what it held is lost as rock breaks, and a crack
+    /// takes more than damage tells.
     Linear,
 }
 
@@ -100,27 +101,33 @@ impl<const D: usize> DamageLaw<D> {
     /// Share of the hourglass stiffness that is left.
     pub fn hourglass(&self, damage: f64) -> f64 {
         match self.hourglass {
-            HourglassRule::Degraded => self.degradation(damage),
+            HourglassRule::Variational => self.degradation(damage),
             HourglassRule::Linear => 1.0 - damage,
         }
     }
 
-    /// Answer to `strain` of a point that has seen `history`.
+    /// Answer to `strain` and to a hourglass energy density `rough` (J/m³) of a point that has seen
+    /// `history`.
     pub fn answer(
         &self,
         lame: Lame,
         toughness: f64,
         history: f64,
         strain: &Matrix<D>,
+        rough: f64,
     ) -> PointAnswer<D> {
         let parts = self.parts(lame, strain);
-        let damage = self.damage(history.max(parts.driving), toughness);
+        let driving = match self.hourglass {
+            HourglassRule::Variational => parts.driving + rough,
+            HourglassRule::Linear => parts.driving,
+        };
+        let damage = self.damage(history.max(driving), toughness);
         let left = self.degradation(damage);
         PointAnswer {
             stress: parts.breaking * left + parts.lasting,
-            driving: parts.driving,
+            driving,
             damage,
-            energy: left * parts.driving + parts.resting + toughness * damage * damage,
+            energy: left * driving + parts.resting + toughness * damage * damage,
         }
     }
 }

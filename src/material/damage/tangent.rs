@@ -83,17 +83,18 @@ impl<const D: usize> Tangent<D> {
 }
 
 impl<const D: usize> DamageLaw<D> {
-    /// Tangent at `strain` of a point that has seen `history`.
+    /// Tangent at `strain` of a point with the driving energy `driving` that has seen `history`, both in
+    /// J/m³. What hourglass energy adds to the softening is left out.
     pub fn tangent(
         &self,
         lame: Lame,
         toughness: f64,
-        history: f64,
+        (history, driving): (f64, f64),
         strain: &Matrix<D>,
         softening: Softening,
     ) -> Tangent<D> {
         let parts = self.parts(lame, strain);
-        let damage = self.damage(history.max(parts.driving), toughness);
+        let damage = self.damage(history.max(driving), toughness);
         let left = self.degradation(damage);
         let mut tangent = match self.split {
             EnergySplit::Spectral => spectral(lame, strain, left),
@@ -103,7 +104,7 @@ impl<const D: usize> DamageLaw<D> {
                 mu: left * lame.mu,
             }),
         };
-        if parts.driving > history && softening != Softening::Fixed {
+        if driving > history && softening != Softening::Fixed {
             let kept = 1.0 - self.residual_stiffness;
             let exact = 2.0 * kept * kept * (1.0 - damage).powi(3) / toughness;
             // S:C⁻¹:S is at most this, C being the positive part of the tangent without its factor.

@@ -78,7 +78,7 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
         },
         residual_stiffness: damage.residual_stiffness.value(),
         hourglass: match damage.hourglass {
-            scene::Hourglass::Degraded => HourglassRule::Degraded,
+            scene::Hourglass::Variational => HourglassRule::Variational,
             scene::Hourglass::Linear => HourglassRule::Linear,
         },
         normalise: damage.normalise,

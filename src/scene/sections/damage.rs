@@ -62,10 +62,10 @@ pub enum EnergySplit {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hourglass {
-    /// By the factor of the stress, (1 − s)².
+    /// Like the stress, and its energy drives damage too.
     #[default]
-    Degraded,
-    /// By 1 − s, as printed (Eq. 53): opening a crack then takes work without bound.
+    Variational,
+    /// By 1 − s, as printed (Eq. 53): a crack then takes more energy than damage tells.
     Linear,
 }
 

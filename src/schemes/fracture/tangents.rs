@@ -68,7 +68,7 @@ impl<const D: usize> TangentMatrix<D> {
         softening: Softening,
     ) -> bool {
         let elastic = &solid.elastic;
-        let next = damage.tangents(elastic, history, &answer.strain, softening);
+        let next = damage.tangents(elastic, history, answer, softening);
         let moved = |i: usize| {
             let integrity = answer.hourglass[i] / self.integrity[i] - 1.0;
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
