@@ -80,12 +80,14 @@ pub const CASES: &[Case] = &[
         "notched-tension",
         "a notched square pulled apart (Sec. 5.1): a straight crack",
         "smoke",
+        "fine",
         "paper"
     ),
     case!(
         "notched-shear",
         "a notched square sheared (Sec. 5.1): a crack that turns down",
         "smoke",
+        "fine",
         "paper"
     ),
     case!(
@@ -98,7 +100,7 @@ pub const CASES: &[Case] = &[
         "natural-fractures",
         "injection into a crack with natural fractures in its way (Sec. 5.5)",
         "smoke",
-        "alone"
+        "vertical"
     ),
     case!(
         "injection-rate",

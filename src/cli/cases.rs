@@ -40,7 +40,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ("scene.toml".to_owned(), case.scene),
         ("README.md".to_owned(), case.readme),
     ];
-    files.extend(case.variants.iter().map(|(name, text)| (format!("{name}.toml"), *text)));
+    files.extend(
+        case.variants
+            .iter()
+            .map(|(name, text)| (format!("{name}.toml"), *text)),
+    );
     for (file, _) in &files {
         let path = folder.join(file);
         if path.exists() {

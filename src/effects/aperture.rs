@@ -28,9 +28,8 @@ pub fn aperture<const D: usize>(
     let across = family.filter(|bond| broken(around.families.neighbour(*bond)));
     match rule {
         ApertureRule::Mean => {
-            let opening = |bond: usize| {
-                difference(bond).dot(&around.bond_vector(point, bond).normalize())
-            };
+            let opening =
+                |bond: usize| difference(bond).dot(&around.bond_vector(point, bond).normalize());
             mean(across.map(opening), 0.0)
         }
         ApertureRule::Normal => {
@@ -52,5 +51,9 @@ pub fn aperture<const D: usize>(
 fn mean(openings: impl Iterator<Item = f64>, least: f64) -> f64 {
     let open = openings.filter(|opening| *opening >= least.max(0.0));
     let (sum, count) = open.fold((0.0, 0), |(sum, count), opening| (sum + opening, count + 1));
-    if count == 0 { 0.0 } else { sum / f64::from(count) }
+    if count == 0 {
+        0.0
+    } else {
+        sum / f64::from(count)
+    }
 }

@@ -19,7 +19,11 @@ pub fn crack_pressures<const D: usize>(
         let push: Vec<f64> = match kind {
             CrackKind::Cut => {
                 let areas = face_areas(&elastic.around, crack..crack + 1, sign);
-                areas.iter().flatten().flat_map(|area| area.iter().map(|a| -a)).collect()
+                areas
+                    .iter()
+                    .flatten()
+                    .flat_map(|area| area.iter().map(|a| -a))
+                    .collect()
             }
             // With flow the pressure is that of the fluid, and acts wherever fluid is.
             CrackKind::Damaged if context.plan.flow.is_some() => continue,

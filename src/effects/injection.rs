@@ -38,7 +38,9 @@ pub fn injection_shares<const D: usize>(
     let near: Vec<u32> = band.iter().filter(near).copied().collect();
     let volume = |point: u32| around.cloud.volume[point as usize];
     let sum: f64 = near.iter().map(|point| volume(*point)).sum();
-    near.iter().map(|point| (*point, volume(*point) / sum)).collect()
+    near.iter()
+        .map(|point| (*point, volume(*point) / sum))
+        .collect()
 }
 
 impl Injection {
@@ -66,7 +68,11 @@ impl Injection {
         let inside = 0.5_f64.powi(Side::all(D).filter(on).count() as i32);
         share.iter_mut().for_each(|(_, share)| *share *= inside);
         let rate = injection.rate.clone();
-        Ok(Injection { rate, share, inside })
+        Ok(Injection {
+            rate,
+            share,
+            inside,
+        })
     }
 }
 

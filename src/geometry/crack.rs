@@ -44,11 +44,14 @@ impl<const D: usize> Crack<D> {
         let beside = |[a, b]: [Vector<D>; 2]| {
             let (along, arm) = (b - a, x - a);
             let share = arm.dot(&along) / along.norm_squared();
-            (0.0..=1.0).contains(&share).then(|| (arm - along * share).norm())
+            (0.0..=1.0)
+                .contains(&share)
+                .then(|| (arm - along * share).norm())
         };
         let corners = self.points.iter().skip(1).rev().skip(1);
         let gaps = self.segments().filter_map(beside);
-        gaps.chain(corners.map(|corner| (x - corner).norm())).reduce(f64::min)
+        gaps.chain(corners.map(|corner| (x - corner).norm()))
+            .reduce(f64::min)
     }
 
     fn place(&self, distance: f64) -> Option<OnCrack<D>> {

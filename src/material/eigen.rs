@@ -23,12 +23,7 @@ pub fn eigen<const D: usize>(matrix: &Matrix<D>) -> (Vector<D>, Matrix<D>) {
 }
 
 /// Makes entry (p, q) zero; false if it is that already, to rounding.
-fn rotate<const D: usize>(
-    a: &mut Matrix<D>,
-    vectors: &mut Matrix<D>,
-    p: usize,
-    q: usize,
-) -> bool {
+fn rotate<const D: usize>(a: &mut Matrix<D>, vectors: &mut Matrix<D>, p: usize, q: usize) -> bool {
     let (off, gap) = (a[(p, q)], a[(q, q)] - a[(p, p)]);
     let scale = a[(p, p)].abs() + a[(q, q)].abs();
     if off.abs() <= f64::EPSILON * 1e-2 * scale || off.abs() < f64::MIN_POSITIVE {

@@ -6,8 +6,8 @@ mod elasticity;
 mod random_field;
 mod storage;
 
-pub use eigen::eigen;
 pub use damage::{DamageLaw, EnergySplit, HourglassRule, PointAnswer, Softening, Tangent};
+pub use eigen::eigen;
 pub use elasticity::{Elasticity, Lame};
 pub use random_field::log_normal;
 pub use storage::storage_coefficient;

@@ -480,7 +480,11 @@ fn fixed_points<const D: usize>(
             return Err(ModelError::EmptyPressureRegion { number: load + 1 });
         }
     }
-    let mut loads: Vec<Load> = flow.regions.iter().map(|region| region.pressure.clone()).collect();
+    let mut loads: Vec<Load> = flow
+        .regions
+        .iter()
+        .map(|region| region.pressure.clone())
+        .collect();
     for (pressure, band) in pressed {
         for &point in band {
             chosen[point as usize] = Some(loads.len());

@@ -56,7 +56,10 @@ impl FractureFlow {
 
     /// Share χ_f of a fracture at a damage (Eqs. 43 and 44).
     pub fn share(&self, damage: f64) -> f64 {
-        let (low, high) = (self.plan.lower_threshold, self.plan.upper_threshold - NEARLY);
+        let (low, high) = (
+            self.plan.lower_threshold,
+            self.plan.upper_threshold - NEARLY,
+        );
         ((damage - low) / (high - low)).clamp(0.0, 1.0)
     }
 
@@ -87,7 +90,14 @@ impl FractureFlow {
             false => 0.0,
             true => {
                 let difference = |bond| solid.difference(displacement, walls, i, bond);
-                aperture(this.plan.aperture, &solid.elastic, answer, i, difference, broken)
+                aperture(
+                    this.plan.aperture,
+                    &solid.elastic,
+                    answer,
+                    i,
+                    difference,
+                    broken,
+                )
             }
         };
         let openings: Vec<f64> = (0..answer.damage.len()).into_par_iter().map(at).collect();
@@ -123,7 +133,10 @@ impl<const D: usize> Model<D> {
             let crack = fracture.crack(fracture.aperture[i], horizon[i], rock);
             permeability[i] = mix(rock, crack);
             flow.mobility[i] = permeability[i] / mix(fracture.viscosity, viscosity);
-            let stored = fracture.plan.storage.map_or(fracture.capacity[i], |s| s * volume);
+            let stored = fracture
+                .plan
+                .storage
+                .map_or(fracture.capacity[i], |s| s * volume);
             flow.capacity[i] = mix(fracture.capacity[i], stored);
             let weight = fracture.plan.biot_coefficient * volume;
             coupling.divergence.weight[i] = mix(fracture.weight[i], weight);

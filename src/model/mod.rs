@@ -28,8 +28,8 @@ pub use places::{Faces, Places};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
-use crate::geometry::{Cloud, Families, Share, Vector};
 use crate::effects::injection_shares;
+use crate::geometry::{Cloud, Families, Share, Vector};
 use crate::plan::{CrackPlan, Plan, manufactured};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
@@ -138,8 +138,16 @@ impl<const D: usize> Model<D> {
 
     /// Mean pressure where fluid is pumped into a crack, Pa.
     pub fn injection_pressure(&self, crack: usize, pressure: &[f64]) -> Option<f64> {
-        let share = self.injections.get(crack).filter(|share| !share.is_empty())?;
-        Some(share.iter().map(|&(point, share)| share * pressure[point as usize]).sum())
+        let share = self
+            .injections
+            .get(crack)
+            .filter(|share| !share.is_empty())?;
+        Some(
+            share
+                .iter()
+                .map(|&(point, share)| share * pressure[point as usize])
+                .sum(),
+        )
     }
 
     /// Times at which a load's slope jumps, sorted.
@@ -157,7 +165,10 @@ impl<const D: usize> Model<D> {
         let flow = self.flow.iter().flat_map(FlowModel::bytes);
         let solid = self.solid.iter().flat_map(SolidModel::bytes);
         let coupling = self.coupling.iter().map(|c| ("coupling", c.bytes()));
-        let cracks = self.fracture_flow.iter().map(|f| ("fracture-flow", f.bytes()));
+        let cracks = self
+            .fracture_flow
+            .iter()
+            .map(|f| ("fracture-flow", f.bytes()));
         flow.chain(solid).chain(coupling).chain(cracks).collect()
     }
 }
@@ -173,7 +184,9 @@ fn injections<const D: usize>(
         Some(injection_shares(flow.operator.neighbourhood(), &at, band))
     };
     let cracks = plan.cracks.iter().zip(&bands.points);
-    cracks.map(|crack| shares(crack).unwrap_or_default()).collect()
+    cracks
+        .map(|crack| shares(crack).unwrap_or_default())
+        .collect()
 }
 
 fn build_flow<const D: usize>(

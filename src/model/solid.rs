@@ -21,9 +21,9 @@ use crate::operators::{
 };
 use crate::plan::{MechanicsPlan, Plan, Support};
 
+use super::ModelError;
 use super::bands::Bands;
 use super::properties::Properties;
-use super::ModelError;
 
 /// Operators, loads and walls of the mechanical problem.
 pub struct SolidModel<const D: usize> {
@@ -361,14 +361,19 @@ impl<const D: usize> SolidModel<D> {
     /// Takes the internal force of an answer off `force`, shape `(n·D,)`, N.
     pub fn subtract_answer(&self, answer: &Answer<D>, force: &mut [f64]) {
         let internal = self.elastic.gather(&answer.forces);
-        force.iter_mut().zip(&internal).for_each(|(f, own)| *f -= own);
+        force
+            .iter_mut()
+            .zip(&internal)
+            .for_each(|(f, own)| *f -= own);
     }
 
     /// Force that holds each wall where it is, N, by an answer.
     pub fn wall_forces(&self, answer: &Answer<D>) -> Vec<f64> {
         let force = |wall: &MovingWall| -> f64 {
             let bonds = wall.bonds.iter();
-            bonds.map(|&(bond, offset)| offset * answer.forces[bond as usize][wall.component]).sum()
+            bonds
+                .map(|&(bond, offset)| offset * answer.forces[bond as usize][wall.component])
+                .sum()
         };
         self.walls.iter().map(force).collect()
     }

@@ -46,7 +46,11 @@ impl<const D: usize> Answer<D> {
     /// Where Eq. 53 weakens that term without being driven by its energy, the force is the derivative of
     /// this energy at fixed shares only.
     pub fn energy(&self, hourglass: &[f64]) -> f64 {
-        let rough = self.rough.iter().zip(hourglass).map(|(rough, left)| left * rough);
+        let rough = self
+            .rough
+            .iter()
+            .zip(hourglass)
+            .map(|(rough, left)| left * rough);
         self.bulk + rough.sum::<f64>()
     }
 }
@@ -73,7 +77,8 @@ impl<const D: usize> Damage<D> {
     ) -> PointAnswer<D> {
         let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
         let rough = rough / elastic.around.cloud.volume[owner];
-        self.law.answer(lame, toughness, history[owner], strain, rough)
+        self.law
+            .answer(lame, toughness, history[owner], strain, rough)
     }
 
     /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
@@ -83,14 +88,19 @@ impl<const D: usize> Damage<D> {
         history: &[f64],
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Answer<D> {
-        self.evaluations.fetch_add(elastic.points() as u64, Ordering::Relaxed);
+        self.evaluations
+            .fetch_add(elastic.points() as u64, Ordering::Relaxed);
         let forces = |owner: usize| {
             let mut seen = None;
-            let forces = elastic.family_answer(owner, |bond| difference(owner, bond), |strain, rough| {
-                let point = self.at(elastic, history, owner, strain, rough);
-                seen = Some((*strain, point));
-                (point.stress, self.law.hourglass(point.damage))
-            });
+            let forces = elastic.family_answer(
+                owner,
+                |bond| difference(owner, bond),
+                |strain, rough| {
+                    let point = self.at(elastic, history, owner, strain, rough);
+                    seen = Some((*strain, point));
+                    (point.stress, self.law.hourglass(point.damage))
+                },
+            );
             (seen, forces)
         };
         let families: Vec<_> = (0..elastic.points()).into_par_iter().map(forces).collect();
@@ -104,7 +114,9 @@ impl<const D: usize> Damage<D> {
             bulk: 0.0,
         };
         for (owner, (seen, (forces, rough))) in families.into_iter().enumerate() {
-            let Some((strain, point)) = seen else { continue };
+            let Some((strain, point)) = seen else {
+                continue;
+            };
             let volume = elastic.around.cloud.volume[owner];
             answer.bulk += volume * point.energy;
             answer.hourglass.push(self.law.hourglass(point.damage));
@@ -146,7 +158,9 @@ impl<const D: usize> Damage<D> {
     /// Damage per point after `history`, shape `(n,)`.
     pub fn of(&self, history: &[f64]) -> Vec<f64> {
         let pairs = history.iter().zip(&self.toughness);
-        pairs.map(|(history, toughness)| self.law.damage(*history, *toughness)).collect()
+        pairs
+            .map(|(history, toughness)| self.law.damage(*history, *toughness))
+            .collect()
     }
 
     /// Energy that damage took since the start, Σ V (G_c/ℓ) s² without that of the initial cracks, J

@@ -114,9 +114,13 @@ impl<const D: usize> Elastic<D> {
     ) -> Vec<Vector<D>> {
         let forces = |owner: usize| {
             let difference = |bond: usize| difference(owner, bond);
-            self.family_answer(owner, difference, |strain, _| answer(owner, strain)).0
+            self.family_answer(owner, difference, |strain, _| answer(owner, strain))
+                .0
         };
-        (0..self.points()).into_par_iter().flat_map_iter(forces).collect()
+        (0..self.points())
+            .into_par_iter()
+            .flat_map_iter(forces)
+            .collect()
     }
 
     /// Forces on the ends of the bonds of one family, N, and its hourglass energy, J, without the factor
@@ -144,7 +148,8 @@ impl<const D: usize> Elastic<D> {
         }
         let rest = |bond: usize, own: &Vector<D>| own - plain * around.bond_vector(owner, bond);
         let pairs = || family.clone().zip(&differences);
-        let squares = pairs().map(|(bond, own)| around.measure[bond] * rest(bond, own).norm_squared());
+        let squares =
+            pairs().map(|(bond, own)| around.measure[bond] * rest(bond, own).norm_squared());
         let rough = 0.5 * self.hourglass[owner] * squares.sum::<f64>();
         let (stress, factor) = answer(&((slope + slope.transpose()) * 0.5), rough);
         let stress = stress * around.cloud.volume[owner];

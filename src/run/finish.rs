@@ -77,7 +77,7 @@ impl<const D: usize> Run<'_, D> {
         };
         if let Some(writer) = &mut self.writer {
             let start = Instant::now();
-            let drawn = writer.finish(self.plan, &self.model, &self.state);
+            let drawn = writer.finish(self.plan, &self.model, &self.tracker);
             self.agree(drawn)?;
             summary.timers.add("plots", start.elapsed().as_secs_f64());
             summary.wall_s += start.elapsed().as_secs_f64();

@@ -37,18 +37,33 @@ impl Fractures {
         let horizon = &solid.elastic.around.families.horizon;
         let volume = &model.cloud.volume;
         let broken = |i: &usize| now[*i] >= BROKEN;
-        let length = (0..now.len()).filter(broken).map(|i| volume[i] / (2.0 * horizon[i]));
+        let length = (0..now.len())
+            .filter(broken)
+            .map(|i| volume[i] / (2.0 * horizon[i]));
         let answer = solid.answer(&state.displacement, &state.walls, &state.history)?;
         let forces = solid.wall_forces(&answer);
         let pressure = |(number, crack): (usize, &CrackPlan)| match &crack.injection {
             Some(_) => model.injection_pressure(number, &state.pressure),
-            None => crack.pressure.as_ref().map(|pressure| pressure.at(state.time)),
+            None => crack
+                .pressure
+                .as_ref()
+                .map(|pressure| pressure.at(state.time)),
         };
         Some(Fractures {
             crack_length: length.sum(),
             dissipated: damage.dissipated(volume, &state.history),
-            walls: state.walls.iter().zip(forces).map(|(at, force)| [*at, force]).collect(),
-            pressure: plan.cracks.iter().enumerate().filter_map(pressure).collect(),
+            walls: state
+                .walls
+                .iter()
+                .zip(forces)
+                .map(|(at, force)| [*at, force])
+                .collect(),
+            pressure: plan
+                .cracks
+                .iter()
+                .enumerate()
+                .filter_map(pressure)
+                .collect(),
             damage: now,
         })
     }
@@ -60,11 +75,21 @@ pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Stri
         let name = format!("{side}_{}", AXES[axis]);
         [format!("motion_{name}_m"), format!("force_{name}_N")]
     };
-    let mut names: Vec<String> = driven_walls::<D>(mechanics).into_iter().flat_map(wall).collect();
+    let mut names: Vec<String> = driven_walls::<D>(mechanics)
+        .into_iter()
+        .flat_map(wall)
+        .collect();
     let pressed = |crack: &&CrackPlan| crack.pressure.is_some() || crack.injection.is_some();
     let cracks = plan.cracks.iter().filter(pressed);
     names.extend(cracks.map(|crack| format!("crack_pressure_{}_Pa", crack.name)));
-    names.push(if D == 2 { "crack_length_m" } else { "crack_area_m2" }.to_owned());
+    names.push(
+        if D == 2 {
+            "crack_length_m"
+        } else {
+            "crack_area_m2"
+        }
+        .to_owned(),
+    );
     names.push("dissipated_J".to_owned());
     names
 }
@@ -84,7 +109,10 @@ pub struct Results {
     #[serde(rename = "peak_force_kN", skip_serializing_if = "Option::is_none")]
     pub peak_force: Option<f64>,
     /// Place of that wall then, mm.
-    #[serde(rename = "peak_displacement_mm", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        rename = "peak_displacement_mm",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub peak_displacement: Option<f64>,
     /// Force over displacement of the first step, kN/mm (per millimetre of thickness in 2-D).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -144,7 +172,10 @@ impl Tracker {
             let peak = results.peak_injection_pressure.get_or_insert(*pressure);
             *peak = peak.max(*pressure);
         }
-        let furthest = now.walls.iter().max_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
+        let furthest = now
+            .walls
+            .iter()
+            .max_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
         if let Some([place, force]) = furthest.filter(|wall| wall[0].abs() > 0.0) {
             // A plane is a slice of one metre; its forces are given per millimetre.
             let thickness = if dimension == 2 { 1e-3 } else { 1.0 };

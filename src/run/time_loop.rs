@@ -15,8 +15,8 @@ use crate::output::OutputError;
 use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode};
 use crate::report::{Balance, Timers};
 use crate::schemes::{
-    self, Assembled, FlowStage, Fracture, Implicit, Scheme, SchemeCounters, SolidSolver, State, StepControl,
-    StepError, StepReport, solve_steady,
+    self, Assembled, FlowStage, Fracture, Implicit, Scheme, SchemeCounters, SolidSolver, State,
+    StepControl, StepError, StepReport, solve_steady,
 };
 
 /// Where a run stands.
@@ -102,6 +102,7 @@ pub fn run_with<const D: usize>(
         last_output: None,
         timed_errors: Vec::new(),
         tracker: Tracker::new(plan),
+        drawn: 0.0,
     };
     run.start_volume = run.stored();
     let effort = match plan.time.mode {
@@ -139,6 +140,8 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) last_output: Option<f64>,
     pub(super) timed_errors: Vec<TimedErrors>,
     pub(super) tracker: Tracker,
+    /// Length of the cracks at the last output that their growth asked for, m.
+    pub(super) drawn: f64,
 }
 
 impl<const D: usize> Run<'_, D> {
@@ -213,6 +216,7 @@ impl<const D: usize> Run<'_, D> {
         let mut stops = Stops::new(plan, &self.model.breakpoints());
         self.start_history()?;
         self.write_history(0.0, &StepReport::default())?;
+        self.drawn = self.tracker.results.crack_length;
         self.write_fields()?;
         let mut range = scale.max(self.range());
         let mut trial = self.state.clone();
@@ -265,8 +269,16 @@ impl<const D: usize> Run<'_, D> {
             return relative;
         };
         let share = growth / damage.largest_increment;
-        let share = if dt <= damage.shortest_step { share.min(1.0) } else { share };
-        Some(relative.unwrap_or(0.0).max(share * self.plan.time.tolerance))
+        let share = if dt <= damage.shortest_step {
+            share.min(1.0)
+        } else {
+            share
+        };
+        Some(
+            relative
+                .unwrap_or(0.0)
+                .max(share * self.plan.time.tolerance),
+        )
     }
 
     fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<(), RunError> {
@@ -274,7 +286,7 @@ impl<const D: usize> Run<'_, D> {
         self.taken_up += report.stored.unwrap_or(0.0);
         let start = Instant::now();
         self.write_history(dt, report)?;
-        if output {
+        if output | self.has_grown() {
             self.write_fields()?;
         }
         self.timers.add("output", start.elapsed().as_secs_f64());
@@ -288,6 +300,20 @@ impl<const D: usize> Run<'_, D> {
             potential: self.balance.potential,
         });
         Ok(())
+    }
+
+    /// Whether cracks have grown enough since the last output for another one.
+    fn has_grown(&mut self) -> bool {
+        let length = self.tracker.results.crack_length;
+        let grown = self
+            .plan
+            .output
+            .crack_increment
+            .is_some_and(|by| length >= self.drawn + by);
+        if grown {
+            self.drawn = length;
+        }
+        grown
     }
 
     /// Whether the user stopped any of the processes.
@@ -366,7 +392,11 @@ impl<const D: usize> Run<'_, D> {
         };
         let mut far = self.state.clone();
         probe.step(&mut self.model, &self.state, self.plan.time.end, &mut far)?;
-        let prescribed = self.model.flow.iter().flat_map(|flow| flow.prescribed(far.time));
+        let prescribed = self
+            .model
+            .flow
+            .iter()
+            .flat_map(|flow| flow.prescribed(far.time));
         Ok(spread(&far.pressure, &prescribed.collect::<Vec<f64>>()))
     }
 

@@ -75,7 +75,9 @@ pub fn load_file(path: &Path, overrides: &[String]) -> Result<LoadedScene, Scene
                         load_layers(&layers, base_dir, overrides)
                     }
                     Err(error) => refuse(
-                        format!("cannot read the base `{base}` of the scene file `{name}`: {error}"),
+                        format!(
+                            "cannot read the base `{base}` of the scene file `{name}`: {error}"
+                        ),
                         "`base` names a scene file beside this one, which this one changes",
                     ),
                 }
@@ -343,8 +345,13 @@ end = "10 s"
         assert_eq!(second.storage(), Some(Storage::Given(3e-10)));
         assert!(second.permeability.is_some());
         assert!(loaded.resolved_toml().contains("0.4"));
-        let wrong = [("small.toml", SMALL), ("smoke.toml", "[time]\nmax_step = 1 s\n")];
-        let text = load_layers(&wrong, Path::new(""), &[]).unwrap_err().to_string();
+        let wrong = [
+            ("small.toml", SMALL),
+            ("smoke.toml", "[time]\nmax_step = 1 s\n"),
+        ];
+        let text = load_layers(&wrong, Path::new(""), &[])
+            .unwrap_err()
+            .to_string();
         assert!(text.contains("smoke.toml:2:12"), "{text}");
     }
 

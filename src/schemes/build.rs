@@ -1,8 +1,9 @@
 //! Which scheme a plan gets: one place where names, effects and schemes meet.
 
 use super::{
-    Assembled, FlowStage, ForwardEuler, Fracture, FractureFlowStep, Implicit, ImplicitSystem, Monolithic, QuasiStatic,
-    Relaxation, Scheme, SolidSolver, Staggered, StepError, Verlet, coupling_of, flow_of, solid_of,
+    Assembled, FlowStage, ForwardEuler, Fracture, FractureFlowStep, Implicit, ImplicitSystem,
+    Monolithic, QuasiStatic, Relaxation, Scheme, SolidSolver, Staggered, StepError, Verlet,
+    coupling_of, flow_of, solid_of,
 };
 use crate::model::{Drive, Model};
 use crate::plan::{Integrator, Plan, SchemeChoice, StepRule};

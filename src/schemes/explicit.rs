@@ -8,9 +8,9 @@
 use perifrac_solvers::norm2;
 use rayon::prelude::*;
 
+use super::quasi_static::growth;
 use super::solid::SolidSolver;
 use super::undrained::undrained;
-use super::quasi_static::growth;
 use super::{
     Scheme, SchemeCounters, State, StepError, StepLimit, StepReport, diffusion_limit, flow_of,
 };

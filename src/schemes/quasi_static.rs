@@ -33,7 +33,13 @@ pub fn advance<const D: usize>(model: &Model<D>, state: &mut State) {
 pub fn growth<const D: usize>(model: &Model<D>, old: &State, new: &State) -> Option<f64> {
     let damage = model.solid.as_ref()?.damage.as_ref()?;
     let (before, after) = (damage.of(&old.history), damage.of(&new.history));
-    Some(after.iter().zip(&before).map(|(a, b)| a - b).fold(0.0, f64::max))
+    Some(
+        after
+            .iter()
+            .zip(&before)
+            .map(|(a, b)| a - b)
+            .fold(0.0, f64::max),
+    )
 }
 
 impl<const D: usize> Scheme<D> for QuasiStatic<D> {

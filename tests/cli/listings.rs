@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 14] = [
+const CASES: [&str; 20] = [
     "five-spot",
     "two-layer",
     "channel",
@@ -18,6 +18,12 @@ const CASES: [&str; 14] = [
     "mandel",
     "footing",
     "sneddon",
+    "notched-tension",
+    "notched-shear",
+    "pressurised-notch",
+    "natural-fractures",
+    "injection-rate",
+    "penny-3d",
     "manufactured",
 ];
 

@@ -4,6 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod fracture;
 mod poroelastic;
 
 use perifrac::run::RunError;

@@ -17,6 +17,17 @@ pub fn plan(case: &str, overrides: &[&str]) -> Plan {
     plan_of(text, overrides)
 }
 
+/// Plan of a variant of a bundled case with `--set` values.
+pub fn plan_of_variant(case: &str, variant: &str, overrides: &[&str]) -> Plan {
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    let case = cases::find(case).expect("bundled");
+    let layers = case.layers(Some(variant)).expect("a variant");
+    let layers: Vec<(&str, &str)> = layers.iter().map(|(n, text)| (&**n, *text)).collect();
+    let loaded = scene::load_layers(&layers, Path::new(""), &overrides)
+        .unwrap_or_else(|errors| panic!("{errors}"));
+    resolve(&loaded, case.name).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
 /// Plan of a scene text with `--set` values.
 pub fn plan_of(text: &str, overrides: &[&str]) -> Plan {
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();

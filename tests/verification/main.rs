@@ -6,6 +6,7 @@ mod support;
 
 mod backends;
 mod cracks;
+mod damage;
 mod effects;
 mod estimates;
 mod five_spot;

@@ -50,9 +50,8 @@ fn spectral<const D: usize>(lame: Lame, strain: &Matrix<D>) -> Parts<D> {
     let positive = vectors * Matrix::from_diagonal(&opened) * vectors.transpose();
     let (up, down) = (strain.trace().max(0.0), strain.trace().min(0.0));
     let closed = values - opened;
-    let stress = |part: Matrix<D>, trace: f64| {
-        part * (2.0 * mu) + Matrix::identity() * (lambda * trace)
-    };
+    let stress =
+        |part: Matrix<D>, trace: f64| part * (2.0 * mu) + Matrix::identity() * (lambda * trace);
     Parts {
         driving: 0.5 * lambda * up * up + mu * opened.norm_squared(),
         resting: 0.5 * lambda * down * down + mu * closed.norm_squared(),

@@ -70,7 +70,8 @@ impl<const D: usize> Tangent<D> {
     /// Largest difference of the moduli to those of another tangent, over the largest modulus of
     /// `lame`.
     pub fn distance(&self, other: &Self, lame: Lame) -> f64 {
-        let own = self.basis * self.shear.component_mul(&Matrix::identity()) * self.basis.transpose();
+        let own =
+            self.basis * self.shear.component_mul(&Matrix::identity()) * self.basis.transpose();
         let its =
             other.basis * other.shear.component_mul(&Matrix::identity()) * other.basis.transpose();
         let soft = |t: &Self| t.direction * t.direction.norm() * t.softening;

@@ -34,15 +34,30 @@ fn symmetric<const D: usize>(entries: &[f64]) -> Matrix<D> {
 fn check<const D: usize>(law: &DamageLaw<D>, history: f64, strain: &Matrix<D>, way: &Matrix<D>) {
     let answer = |e: &Matrix<D>| law.answer(ROCK, TOUGHNESS, history, e, 0.0);
     let step = 1e-6;
-    let (ahead, behind) = (answer(&(strain + way * step)), answer(&(strain - way * step)));
+    let (ahead, behind) = (
+        answer(&(strain + way * step)),
+        answer(&(strain - way * step)),
+    );
     let here = answer(strain);
     let slope = (ahead.energy - behind.energy) / (2.0 * step);
     let scale = ROCK.mu * strain.norm() * way.norm();
-    assert!((slope - here.stress.dot(way)).abs() < 1e-4 * scale, "{law:?}: {slope}");
-    let tangent = law.tangent(ROCK, TOUGHNESS, (history, here.driving), strain, Softening::Exact);
+    assert!(
+        (slope - here.stress.dot(way)).abs() < 1e-4 * scale,
+        "{law:?}: {slope}"
+    );
+    let tangent = law.tangent(
+        ROCK,
+        TOUGHNESS,
+        (history, here.driving),
+        strain,
+        Softening::Exact,
+    );
     let slope = (ahead.stress - behind.stress) / (2.0 * step);
     let error = (slope - tangent.stress(way)).amax();
-    assert!(error < 2e-3 * ROCK.mu * way.norm(), "{law:?} {strain}: {error}");
+    assert!(
+        error < 2e-3 * ROCK.mu * way.norm(),
+        "{law:?} {strain}: {error}"
+    );
 }
 
 /// Strains away from the kinks of the splits, where derivatives exist.
@@ -153,6 +168,8 @@ fn a_bar_breaks_at_the_peak_of_the_closed_form() {
     assert!(stress(0.99 * critical) < strength && stress(1.01 * critical) < strength);
     let steps = 400_000;
     let width = 400.0 * critical / f64::from(steps);
-    let work: f64 = (0..steps).map(|k| stress((f64::from(k) + 0.5) * width) * width).sum();
+    let work: f64 = (0..steps)
+        .map(|k| stress((f64::from(k) + 0.5) * width) * width)
+        .sum();
     assert!((work / TOUGHNESS - 1.0).abs() < 1e-3, "{work}");
 }

@@ -76,6 +76,7 @@ pub(super) fn output(output: &scene::Output, time: &scene::TimeControl) -> Outpu
     }
     OutputPlan {
         times,
+        crack_increment: output.crack_increment.map(|growth| growth.value()),
         vtu: output.vtu,
         plots: output.plots,
         probes: output

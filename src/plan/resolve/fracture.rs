@@ -9,7 +9,7 @@ use crate::scene::quantity::values;
 use crate::scene::{self, disc_in_plane, points_in_space};
 
 /// Shortest step over the length of the run, where none is given.
-const SHORTEST_STEP: f64 = 1e-3;
+const SHORTEST_STEP: f64 = 1e-2;
 
 impl Resolver<'_> {
     /// Points from a file tell the dimension only now.

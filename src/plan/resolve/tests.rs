@@ -255,7 +255,7 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
         tolerance: 1e-5,
         iterations: 1000,
         largest_increment: 0.3,
-        shortest_step: 0.01,
+        shortest_step: 0.1,
     };
     assert_eq!(plan.damage, Some(damage));
     let fracture_flow = FractureFlowPlan {

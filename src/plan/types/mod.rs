@@ -11,7 +11,8 @@ use serde::Serialize;
 
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
-    ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, HourglassRule, TransmissivityRule,
+    ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, HourglassRule,
+    TransmissivityRule,
 };
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
@@ -278,6 +279,8 @@ pub enum StepRule {
 pub struct OutputPlan {
     /// Times of field output, s, increasing; the end is always one of them.
     pub times: Vec<f64>,
+    /// Growth of the cracks after which fields are written too, m (m² in 3-D).
+    pub crack_increment: Option<f64>,
     /// Whether VTU files are written.
     pub vtu: bool,
     /// Whether pictures are drawn.

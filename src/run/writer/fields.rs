@@ -178,7 +178,9 @@ fn damaged_stress<const D: usize>(
     slope: &Matrix<D>,
 ) -> [f64; 6] {
     let strain = (slope + slope.transpose()) * 0.5;
-    let stress = damage.at(&solid.elastic, &state.history, point, &strain, 0.0).stress;
+    let stress = damage
+        .at(&solid.elastic, &state.history, point, &strain, 0.0)
+        .stress;
     TENSOR.map(|(a, b)| if a.max(b) < D { stress[(a, b)] } else { 0.0 })
 }
 

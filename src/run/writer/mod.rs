@@ -3,6 +3,7 @@
 mod cracks;
 mod fields;
 mod folder;
+mod fracture;
 mod histories;
 mod pictures;
 mod profiles;
@@ -10,13 +11,14 @@ mod profiles;
 use std::path::{Path, PathBuf};
 
 use super::Summary;
-use super::fracture::Fractures;
+use super::fracture::{Fractures, Tracker};
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd, Table, write_json};
 use crate::plan::Plan;
 use crate::report::Balance;
 use crate::schemes::State;
 use cracks::Cracks;
+use fracture::Film;
 use profiles::Profiles;
 
 /// Writes the files of one run into its folder.
@@ -29,6 +31,7 @@ pub struct Writer {
     rows: Table,
     profiles: Option<Profiles>,
     cracks: Option<Cracks>,
+    film: Film,
     outputs: usize,
     next_row: f64,
     /// Whether this is the process that writes what there is once.
@@ -66,6 +69,7 @@ impl Writer {
             rows: Table::default(),
             profiles: None,
             cracks: None,
+            film: Film::default(),
             outputs: 0,
             next_row: f64::NEG_INFINITY,
             leads: false,
@@ -178,6 +182,7 @@ impl Writer {
         }
         if plan.output.plots {
             pictures::of_output(&self.folder, number, plan, model, state)?;
+            self.film.record(model, state);
         }
         if let Some(cracks) = &mut self.cracks {
             cracks.record(plan, model, state)?;
@@ -196,7 +201,7 @@ impl Writer {
         &mut self,
         plan: &Plan,
         model: &Model<D>,
-        _state: &State,
+        tracker: &Tracker,
     ) -> Result<(), OutputError> {
         if !plan.output.plots || !self.leads {
             return Ok(());
@@ -207,6 +212,7 @@ impl Writer {
         if let Some(cracks) = &self.cracks {
             cracks.draw(plan)?;
         }
+        self.film.draw(&self.folder, plan, model, tracker)?;
         pictures::of_permeability(&self.folder, model)?;
         histories::draw::<D>(&self.folder, plan, &self.rows)
     }

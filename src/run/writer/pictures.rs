@@ -30,8 +30,7 @@ pub fn of_output<const D: usize>(
     model: &Model<D>,
     state: &State,
 ) -> Result<(), OutputError> {
-    let damage = (model.solid.as_ref().and_then(|solid| solid.damage.as_ref()))
-        .map_or_else(Vec::new, |damage| damage.of(&state.history));
+    let damage = damage_of(model, state);
     let moved: Vec<f64> = state.displacement.chunks(D).map(length).collect();
     let all = [
         ("pressure", "Pa", &state.pressure),
@@ -50,6 +49,12 @@ pub fn of_output<const D: usize>(
         draw(folder, model, &picture)?;
     }
     Ok(())
+}
+
+/// Damage per point; empty without damage.
+pub fn damage_of<const D: usize>(model: &Model<D>, state: &State) -> Vec<f64> {
+    let damage = model.solid.as_ref().and_then(|solid| solid.damage.as_ref());
+    damage.map_or_else(Vec::new, |damage| damage.of(&state.history))
 }
 
 fn length(vector: &[f64]) -> f64 {
@@ -116,7 +121,7 @@ fn draw<const D: usize>(
 }
 
 /// All points in 2-D; in 3-D those of the layer nearest to the middle of the domain.
-fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
+pub fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
     let cloud = &model.cloud;
     if D == 2 {
         return (0..cloud.len()).collect();

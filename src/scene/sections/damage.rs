@@ -41,7 +41,7 @@ pub struct Damage {
     #[serde(default = "third")]
     pub largest_increment: Number,
     /// Shortest adaptive step, s: growth that goes on in it is accepted however fast it is. A
-    /// thousandth of the run if absent.
+    /// hundredth of the run if absent.
     pub shortest_step: Option<Time>,
 }
 

@@ -16,6 +16,9 @@ pub struct Output {
     pub times: Option<Spanned<Vec<Time>>>,
     /// Interval at which fields are written, s. Excludes `times`.
     pub every: Option<Time>,
+    /// Growth of the cracks after which fields are written too, m (m² in 3-D: its square). Needs
+    /// `[damage]`.
+    pub crack_increment: Option<Length>,
     /// Whether fields are written as `.vtu`.
     pub vtu: bool,
     /// Whether pictures are drawn.
@@ -32,6 +35,7 @@ impl Default for Output {
         Self {
             times: None,
             every: None,
+            crack_increment: None,
             vtu: true,
             plots: true,
             probes,
@@ -85,6 +89,17 @@ impl Section for Output {
             {
                 let fault = Diagnostic::new("the run ends before this output").at(time.span());
                 report.add(fault.also(end.span(), "the run ends here"));
+            }
+        }
+        if let Some(increment) = self.crack_increment {
+            report.positive("crack_increment", increment);
+            if !scene.has(&scene.draft.damage) {
+                let fault = Diagnostic::new("`crack_increment` needs [damage]");
+                report.add(
+                    fault
+                        .at(increment.span())
+                        .help("add [damage], or leave it out"),
+                );
             }
         }
         report.names(&self.probes);

@@ -13,8 +13,6 @@ pub struct FractureBlock {
     pub layout: Layout,
     /// The matrix as last filled.
     pub matrix: CsrMatrix,
-    /// Whether the pressure of a point is prescribed, shape `(n,)`.
-    pub is_fixed: Vec<bool>,
     /// Place of every entry of K.
     stiffness: Vec<u32>,
     /// Places of what a bond couples along every axis: pressure row and displacement row of its end,
@@ -35,12 +33,10 @@ impl FractureBlock {
         coupling: &Coupling,
     ) -> Result<Self, StepError> {
         let (layout, matrix) = Layout::new(flow, solid, coupling)?;
-        let is_fixed = flow.fixed_mask();
         Ok(FractureBlock {
             stiffness: stiffness_places(solid, &matrix),
             content: content_places(solid, &matrix),
-            cut: cut_places::<D>(&matrix, &is_fixed),
-            is_fixed,
+            cut: cut_places::<D>(&matrix, &flow.fixed_mask()),
             layout,
             matrix,
         })
@@ -84,7 +80,9 @@ impl FractureBlock {
         for &(point, place) in &self.layout.diagonal {
             values[place as usize] -= square * flow.capacity[point as usize];
         }
-        self.cut.iter().for_each(|place| values[*place as usize] = 0.0);
+        self.cut
+            .iter()
+            .for_each(|place| values[*place as usize] = 0.0);
     }
 }
 
@@ -99,7 +97,10 @@ fn stiffness_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -
         let place = |&column: &u32| place(matrix, unknown(row), unknown(column as usize));
         columns[range].iter().map(place).collect()
     };
-    (0..solid.unknowns()).into_par_iter().flat_map_iter(row).collect()
+    (0..solid.unknowns())
+        .into_par_iter()
+        .flat_map_iter(row)
+        .collect()
 }
 
 fn content_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -> Vec<[u32; 4]> {
@@ -110,12 +111,20 @@ fn content_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -> 
             let end = families.neighbour(bond);
             (0..D).map(move |axis| {
                 let [end, own] = [end, owner].map(|point| point * width + axis);
-                [(pressure, end), (end, pressure), (pressure, own), (own, pressure)]
-                    .map(|(row, column)| place(matrix, row, column))
+                [
+                    (pressure, end),
+                    (end, pressure),
+                    (pressure, own),
+                    (own, pressure),
+                ]
+                .map(|(row, column)| place(matrix, row, column))
             })
         })
     };
-    (0..families.len()).into_par_iter().flat_map_iter(family).collect()
+    (0..families.len())
+        .into_par_iter()
+        .flat_map_iter(family)
+        .collect()
 }
 
 /// Entries off the diagonal in rows and columns of fixed pressures.
@@ -135,5 +144,7 @@ fn cut_places<const D: usize>(matrix: &CsrMatrix, is_fixed: &[bool]) -> Vec<u32>
 
 /// Where an entry lies; every one that is asked for is part of the pattern.
 fn place(matrix: &CsrMatrix, row: usize, column: usize) -> u32 {
-    matrix.nnz_index(row, column).map_or(u32::MAX, |place| place.0 as u32)
+    matrix
+        .nnz_index(row, column)
+        .map_or(u32::MAX, |place| place.0 as u32)
 }

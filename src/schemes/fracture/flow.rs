@@ -1,5 +1,5 @@
 //! Backward Euler steps in which rock breaks, fluid flows in what is broken, and both are solved
-//! together.
+//! together or in turns.
 //!
 //! For the coefficients of flow as they are the pressure is eliminated exactly: with
 //! M = S + Δt L and M p = b − Q(u − u₀) the displacement minimises
@@ -9,18 +9,21 @@
 //! whose derivative is the force out of balance at that pressure. Every pass brings coefficients and
 //! pressure to the displacement, and walks down this potential along the solution of the coupled
 //! linear system. It ends when forces balance at coefficients and pressure that belong to the
-//! displacement itself, so the residual covers damage, opening, permeability and mass alike.
+//! displacement itself, so the residual covers damage, opening, permeability and mass alike. In turns
+//! the pressure stands still while the displacement moves, which is enough where the pressure hardly
+//! depends on it, as in a crack of prescribed pressure.
 
 use perifrac_solvers::{
     Coordinates, LinearSolver, NearNullspace, Problem, SolverSpec, Symmetry, dot, multiply,
 };
 
 use super::block::FractureBlock;
+use super::descent::{Reached, descend};
 use super::tangents::TangentMatrix;
 use crate::material::Softening;
 use crate::model::Model;
 use crate::operators::Answer;
-use crate::plan::{DamageMethod, DamagePlan, Plan};
+use crate::plan::{DamageMethod, DamagePlan, Plan, SchemeChoice};
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio};
 use crate::schemes::{
@@ -32,7 +35,9 @@ use crate::schemes::{
 pub struct FractureFlowStep<const D: usize> {
     solver: Box<dyn LinearSolver>,
     chosen: Chosen,
-    block: FractureBlock,
+    /// The matrix of both fields; `None` where they take turns.
+    block: Option<FractureBlock>,
+    is_fixed: Vec<bool>,
     flow: ImplicitSystem,
     tangent: TangentMatrix<D>,
     plan: DamagePlan,
@@ -49,9 +54,11 @@ pub struct FractureFlowStep<const D: usize> {
 /// Residual of the coupled linear systems. A crack that is full answers to a wrong volume with a
 /// pressure that is wrong by the ratio of its compliance to that of the fluid.
 const FORCING: f64 = 1e-6;
+/// The same of the displacement alone, relative to the forces out of balance.
+const FORCING_ALONE: f64 = 1e-3;
 const REMEMBERED: f64 = 1e-2;
-const SUFFICIENT: f64 = 1e-4;
-const MOST_CUTS: usize = 10;
+/// Change of the potential, relative to the energy, that is rounding error.
+const ROUNDING: f64 = 1e-13;
 
 /// Pressure and displacement with what they leave out of balance.
 struct Trial<const D: usize> {
@@ -78,18 +85,46 @@ impl<const D: usize> FractureFlowStep<D> {
     pub fn new(plan: &Plan, damage: DamagePlan, model: &Model<D>) -> Result<Self, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         if !solid.walls.is_empty() {
-            return Err(refused("sides do not move in it; use roller, clamped or traction"));
+            return Err(refused(
+                "sides do not move in it; use roller, clamped or traction",
+            ));
         }
         if plan.gravity.is_some() {
-            return Err(refused("gravity does not act in it yet; leave [gravity] out"));
+            return Err(refused(
+                "gravity does not act in it yet; leave [gravity] out",
+            ));
         }
         if !flow.stabilisation.is_empty() {
-            return Err(refused("it has no stabilisation; set coupling.stabilisation = 0"));
+            return Err(refused(
+                "it has no stabilisation; set coupling.stabilisation = 0",
+            ));
         }
-        let block = FractureBlock::new(flow, solid, coupling)?;
+        let together = match plan.scheme {
+            SchemeChoice::Staggered(_) => false,
+            SchemeChoice::Implicit(_) | SchemeChoice::Monolithic(_) => true,
+            _ => {
+                return Err(refused(
+                    "its steps are implicit; use --scheme monolithic or staggered",
+                ));
+            }
+        };
+        let block = together
+            .then(|| FractureBlock::new(flow, solid, coupling))
+            .transpose()?;
         let coordinates = model.cloud.flat_positions();
-        let square = block.layout.scale * block.layout.scale;
-        let schur: Vec<f64> = coupling.fixed_stress.iter().map(|b| square * b).collect();
+        let scale = block.as_ref().map_or(1.0, |block| block.layout.scale);
+        let schur: Vec<f64> = coupling
+            .fixed_stress
+            .iter()
+            .map(|b| scale * scale * b)
+            .collect();
+        let plain = match &block {
+            Some(block) => Problem {
+                schur_diagonal: Some(&schur),
+                ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
+            },
+            None => Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D),
+        };
         let problem = Problem {
             solves: 1,
             contrast: ratio(flow.mobility.iter().copied()),
@@ -98,8 +133,7 @@ impl<const D: usize> FractureFlowStep<D> {
                 values: &coordinates,
             }),
             near_nullspace: NearNullspace::RigidModes,
-            schur_diagonal: Some(&schur),
-            ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
+            ..plain
         };
         let demand = plan.fracture_demand();
         let (solver, chosen) = build_solver(&demand.spec, &problem)?;
@@ -110,11 +144,15 @@ impl<const D: usize> FractureFlowStep<D> {
         Ok(FractureFlowStep {
             solver,
             chosen,
+            is_fixed: flow.fixed_mask(),
+            name: match together {
+                true => "monolithic (backward-euler, damage)".to_owned(),
+                false => "staggered (backward-euler, damage)".to_owned(),
+            },
             block,
             flow: ImplicitSystem::new(&part, flow)?,
             tangent: TangentMatrix::new(solid),
             plan: damage,
-            name: "monolithic (backward-euler, damage)".to_owned(),
             largest: 0.0,
             rates: [Vec::new(), Vec::new()],
             passes: 0,
@@ -132,7 +170,11 @@ impl<const D: usize> FractureFlowStep<D> {
         let scale = force.iter().map(|f| f.abs()).sum();
         solid.subtract_answer(&answer, &mut force);
         self.searches += 1;
-        Ok(Trial { answer, force, scale })
+        Ok(Trial {
+            answer,
+            force,
+            scale,
+        })
     }
 
     /// What the pores must still take up over the step, m^D; zero where the pressure is prescribed.
@@ -149,7 +191,7 @@ impl<const D: usize> FractureFlowStep<D> {
         self.products += 1;
         let taken = taken(model, old, state)?;
         for (i, left) in left.iter_mut().enumerate() {
-            *left = match self.block.is_fixed[i] {
+            *left = match self.is_fixed[i] {
                 true => 0.0,
                 false => dt * *left - taken[i],
             };
@@ -171,7 +213,11 @@ impl<const D: usize> FractureFlowStep<D> {
         self.flow.prepare(flow, &flow.capacity, dt, &[])?;
         let mut change = vec![0.0; left.len()];
         let iterations = self.flow.solve(flow, &left, &mut change)?;
-        state.pressure.iter_mut().zip(&change).for_each(|(p, c)| *p += c);
+        state
+            .pressure
+            .iter_mut()
+            .zip(&change)
+            .for_each(|(p, c)| *p += c);
         Ok(iterations)
     }
 
@@ -192,37 +238,59 @@ impl<const D: usize> FractureFlowStep<D> {
             DamageMethod::Alternate => Softening::Fixed,
             _ => Softening::Bounded,
         };
-        let t0 = std::time::Instant::now();
-        self.tangent.update(solid, damage, &state.history, &at.answer, softening);
-        let t1 = t0.elapsed().as_secs_f64();
+        self.tangent
+            .update(solid, damage, &state.history, &at.answer, softening);
+        let Some(block) = &mut self.block else {
+            let matrix = self.tangent.matrix.view();
+            self.solver.refresh(matrix)?;
+            let mut displacement = vec![0.0; at.force.len()];
+            let solved =
+                self.solver
+                    .solve_to(matrix, &at.force, &mut displacement, FORCING_ALONE)?;
+            report.iterations += solved.iterations;
+            // The pressure stands still and is brought to the displacement in the next pass.
+            return Ok(Way {
+                displacement,
+                pressure: vec![0.0; state.pressure.len()],
+                bend: [0.0; 2],
+            });
+        };
         let stiffness = self.tangent.matrix.data();
-        self.block.fill(stiffness, solid, flow, coupling, dt);
-        let matrix = self.block.matrix.view();
-        let t2 = t0.elapsed().as_secs_f64();
+        block.fill(stiffness, solid, flow, coupling, dt);
+        let matrix = block.matrix.view();
         self.solver.refresh(matrix)?;
-        let t3 = t0.elapsed().as_secs_f64();
-        if std::env::var("DBG").is_ok() { eprintln!("       tangent {t1:.3} fill {:.3} refresh {:.3}", t2-t1, t3-t2); }
-        let (width, scale) = (D + 1, self.block.layout.scale);
-        let mut rhs = vec![0.0; self.block.matrix.rows()];
+        let (width, scale) = (D + 1, block.layout.scale);
+        let mut rhs = vec![0.0; block.matrix.rows()];
         for (point, force) in at.force.chunks(D).enumerate() {
             rhs[point * width..][..D].copy_from_slice(force);
         }
         let mut x = vec![0.0; rhs.len()];
-        report.iterations += self.solver.solve_to(matrix, &rhs, &mut x, FORCING)?.iterations;
+        report.iterations += self
+            .solver
+            .solve_to(matrix, &rhs, &mut x, FORCING)?
+            .iterations;
         let points = state.pressure.len();
-        let displacement = (0..points).flat_map(|i| x[i * width..][..D].to_vec()).collect();
+        let displacement = (0..points)
+            .flat_map(|i| x[i * width..][..D].to_vec())
+            .collect();
         let pressure: Vec<f64> = (0..points).map(|i| scale * x[i * width + D]).collect();
         let product = |p: &[f64]| {
-            let free = |i: usize| if self.block.is_fixed[i] { 0.0 } else { p[i] };
+            let free = |i: usize| if self.is_fixed[i] { 0.0 } else { p[i] };
             let free: Vec<f64> = (0..p.len()).map(free).collect();
             let mut result = vec![0.0; p.len()];
             multiply(flow.matrix(), &free, &mut result);
             let terms = result.iter().zip(&flow.capacity).zip(&free);
-            terms.map(|((l, s), p)| dt * l + s * p).collect::<Vec<f64>>()
+            terms
+                .map(|((l, s), p)| dt * l + s * p)
+                .collect::<Vec<f64>>()
         };
         let along = product(&pressure);
         let bend = [dot(&along, &state.pressure), 0.5 * dot(&along, &pressure)];
-        Ok(Way { displacement, pressure, bend })
+        Ok(Way {
+            displacement,
+            pressure,
+            bend,
+        })
     }
 
     /// Walks along a way until the potential has fallen enough; `None` if it does not.
@@ -235,37 +303,40 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<Option<Trial<D>>, StepError> {
         let external = self.external(model, state);
         let (start, balanced) = (state.displacement.clone(), state.pressure.clone());
-        let slope = dot(&at.force, &way.displacement);
-        let work = dot(&external, &way.displacement);
-        let left_over = &at.answer.hourglass;
-        let high = at.answer.energy(left_over);
-        let rounding = 1e-13 * high.abs();
-        let mut length = 1.0;
-        for _ in 0..MOST_CUTS {
+        let place = |state: &mut State, length: f64| {
             let step = |to: &mut Vec<f64>, from: &[f64], by: &[f64]| {
                 to.clear();
                 to.extend(from.iter().zip(by).map(|(from, by)| from + length * by));
             };
             step(&mut state.displacement, &start, &way.displacement);
             step(&mut state.pressure, &balanced, &way.pressure);
-            let next = self.evaluate(model, state)?;
+        };
+        let work = dot(&external, &way.displacement);
+        let shares = &at.answer.hourglass;
+        let high = at.answer.energy(shares);
+        let slope = dot(&at.force, &way.displacement);
+        let reached = descend(slope, ROUNDING * high.abs(), |length| {
+            place(state, length);
+            let found = self.evaluate(model, state)?;
             let flow = length * (way.bend[0] + length * way.bend[1]);
-            let fallen = high - next.answer.energy(left_over) + length * work - flow;
-            if fallen >= SUFFICIENT * length * slope - rounding {
-                return Ok(Some(next));
-            }
-            let bent = 2.0 * (slope * length - fallen);
-            let best = if bent > 0.0 { slope * length / bent } else { 0.5 };
-            length *= best.clamp(0.1, 0.5);
-        }
-        state.displacement = start;
-        state.pressure = balanced;
-        Ok(None)
+            Ok(Reached {
+                length,
+                fallen: high - found.answer.energy(shares) + length * work - flow,
+                left: dot(&found.force, &way.displacement),
+                found,
+            })
+        })?;
+        place(
+            state,
+            reached.as_ref().map_or(0.0, |reached| reached.length),
+        );
+        Ok(reached.map(|reached| reached.found))
     }
 
-    /// Loads, and the push of prescribed pressures.
+    /// Loads, and the push of pressures that do not change along a way.
     fn external(&self, model: &Model<D>, state: &State) -> Vec<f64> {
-        let prescribed = |i: usize| if self.block.is_fixed[i] { state.pressure[i] } else { 0.0 };
+        let still = |i: usize| self.block.is_none() || self.is_fixed[i];
+        let prescribed = |i: usize| if still(i) { state.pressure[i] } else { 0.0 };
         let pressure: Vec<f64> = (0..state.pressure.len()).map(prescribed).collect();
         model.push(state.time, &pressure)
     }
@@ -283,19 +354,21 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut found = self.evaluate(model, state)?;
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
-            let tb0 = std::time::Instant::now();
             model.follow_fractures(&found.answer, &state.displacement, &state.walls);
             report.iterations += self.balance(model, old, state, dt)?;
             let at = self.evaluate(model, state)?;
-            let tb = tb0.elapsed().as_secs_f64();
             self.largest = self.largest.max(at.scale);
-            let scale = at.scale.max(REMEMBERED * self.largest).max(f64::MIN_POSITIVE);
+            let scale = at
+                .scale
+                .max(REMEMBERED * self.largest)
+                .max(f64::MIN_POSITIVE);
             let left: f64 = at.force.iter().map(|f| f.abs()).sum();
             if !left.is_finite() {
-                return Err(StepError::NotFinite { field: "force", point: 0, time: state.time });
-            }
-            if std::env::var("DBG").is_ok() {
-                eprintln!("  pass {pass} balanced {:.3} imb {:.3e} p {:.4e} broken {}", tb, left / scale, state.pressure.iter().fold(0.0_f64, |m, p| m.max(*p)), at.answer.damage.iter().filter(|d| **d > 0.9).count());
+                return Err(StepError::NotFinite {
+                    field: "force",
+                    point: 0,
+                    time: state.time,
+                });
             }
             if left <= self.plan.tolerance * scale {
                 return Ok(());
@@ -304,16 +377,11 @@ impl<const D: usize> FractureFlowStep<D> {
             if pass == self.plan.iterations {
                 break;
             }
-            let t0 = std::time::Instant::now();
             let way = self.direction(model, state, &at, dt, report)?;
-            let t1 = t0.elapsed().as_secs_f64();
             self.passes += 1;
             match self.search(model, state, &at, &way)? {
                 Some(next) => found = next,
                 None => break,
-            }
-            if std::env::var("DBG").is_ok() {
-                eprintln!("      direction {t1:.3} search {:.3} it {} {:?}", t0.elapsed().as_secs_f64() - t1, report.iterations, self.chosen);
             }
         }
         Err(StepError::NotBroken {
@@ -335,7 +403,10 @@ fn part_of(spec: &SolverSpec) -> Result<SolverSpec, StepError> {
 }
 
 fn refused(reason: &'static str) -> StepError {
-    StepError::Refused { scheme: "flow in fractures", reason }
+    StepError::Refused {
+        scheme: "flow in fractures",
+        reason,
+    }
 }
 
 /// What the pores took up since `old`, at the coefficients of now, m^D.
@@ -394,7 +465,11 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         let mut flows = flow.flows(&trial.pressure, trial.time);
         flows.fixed = flow.fixed_inflow(&imbalance);
         report.flows.add(dt, &flows);
-        report.flows.fixed += flow.fixed.iter().map(|fixed| taken[fixed.point]).sum::<f64>();
+        report.flows.fixed += flow
+            .fixed
+            .iter()
+            .map(|fixed| taken[fixed.point])
+            .sum::<f64>();
         report.stored = Some(taken.iter().sum());
         advance(model, trial);
         report.growth = growth(model, old, trial);

@@ -8,12 +8,11 @@
 //! tangent is indefinite; then the next ones are tried.
 
 mod block;
+mod descent;
 mod flow;
 mod tangents;
 
-use perifrac_solvers::{
-    Coordinates, Demand, LinearSolver, NearNullspace, Problem, Symmetry, dot,
-};
+use perifrac_solvers::{Coordinates, Demand, LinearSolver, NearNullspace, Problem, Symmetry, dot};
 
 use super::solid::{Chosen, build_solver};
 use super::{SchemeCounters, SolidSolver, State, StepError, solid_of};
@@ -21,6 +20,7 @@ use crate::material::Softening;
 use crate::model::{Model, SolidModel};
 use crate::operators::{Answer, Damage};
 use crate::plan::{DamageMethod, DamagePlan};
+use descent::{Reached, descend};
 use tangents::TangentMatrix;
 
 pub use flow::FractureFlowStep;
@@ -50,13 +50,8 @@ const REMEMBERED: f64 = 1e-2;
 const NEAR: f64 = 3e-2;
 /// Iterations without it after it failed.
 const REST: usize = 4;
-/// Part of the decrease that a step promises and must keep.
-const SUFFICIENT: f64 = 1e-4;
-const MOST_CUTS: usize = 12;
-/// Longest step in units of the solution of the linear system.
-const LONGEST: f64 = 8.0;
-/// Slope left over, relative to that at the start, from which a longer step is tried.
-const STEEP: f64 = 0.3;
+/// Change of the potential, relative to it, that is rounding error.
+const ROUNDING: f64 = 1e-14;
 
 /// A displacement with what the solid answers to it.
 struct Trial<const D: usize> {
@@ -151,7 +146,12 @@ impl<const D: usize> Fracture<D> {
     ) -> Result<usize, StepError> {
         let before = state.walls.clone();
         solid.place_walls(state.time, &mut state.walls);
-        let moves: Vec<f64> = state.walls.iter().zip(&before).map(|(n, o)| n - o).collect();
+        let moves: Vec<f64> = state
+            .walls
+            .iter()
+            .zip(&before)
+            .map(|(n, o)| n - o)
+            .collect();
         if moves.iter().all(|by| by.abs() <= 0.0) {
             return Ok(0);
         }
@@ -161,15 +161,20 @@ impl<const D: usize> Fracture<D> {
         let push = self.tangent.wall_push(solid, &moves);
         let force: Vec<f64> = here.force.iter().zip(&push).map(|(f, p)| f - p).collect();
         let (change, iterations) = self.solve(&force)?;
-        state.displacement.iter_mut().zip(&change).for_each(|(u, c)| *u += c);
+        state
+            .displacement
+            .iter_mut()
+            .zip(&change)
+            .for_each(|(u, c)| *u += c);
         state.walls = after;
         Ok(iterations)
     }
 
     fn bring(&mut self, solid: &SolidModel<D>, state: &State, at: &Trial<D>, softening: Softening) {
         let damage = damage_of(solid);
-        let moved =
-            self.tangent.update(solid, damage, &state.history, &at.answer, softening);
+        let moved = self
+            .tangent
+            .update(solid, damage, &state.history, &at.answer, softening);
         self.fresh &= !moved;
     }
 
@@ -218,64 +223,34 @@ impl<const D: usize> Fracture<D> {
         external: &[f64],
         at: &Trial<D>,
         change: &[f64],
-    ) -> Option<Trial<D>> {
+    ) -> Result<Option<Trial<D>>, StepError> {
         let start = state.displacement.clone();
-        let slope = dot(&at.force, change);
         let place = |state: &mut State, length: f64| {
             let moved = start.iter().zip(change).map(|(u, c)| u + length * c);
             state.displacement.clear();
             state.displacement.extend(moved);
         };
-        let left_over = &at.answer.hourglass;
-        let high = at.potential(left_over);
-        let rounding = 1e-14 * (at.answer.bulk.abs() + at.work.abs());
-        let mut length = 1.0;
-        for _ in 0..MOST_CUTS {
+        let shares = &at.answer.hourglass;
+        let high = at.potential(shares);
+        let rounding = ROUNDING * (at.answer.bulk.abs() + at.work.abs());
+        let mut searches = 0;
+        let reached = descend(dot(&at.force, change), rounding, |length| {
             place(state, length);
-            let next = self.evaluate(solid, state, external);
-            self.searches += 1;
-            let fallen = high - next.potential(left_over);
-            let left = dot(&next.force, change);
-            if fallen >= SUFFICIENT * length * slope - rounding {
-                if length < 1.0 || left <= STEEP * slope {
-                    return Some(next);
-                }
-                return Some(self.stretch(solid, state, external, (slope, left), (left_over, next), &place, change));
-            }
-            // Minimum of the parabola through both energies and the slope at the start.
-            let bent = 2.0 * (slope * length - fallen);
-            let best = if bent > 0.0 { slope * length / bent } else { 0.5 };
-            length *= best.clamp(0.1, 0.5);
-        }
-        place(state, 0.0);
-        None
-    }
-
-    /// A longer step where the slope says so, if the potential falls further.
-    #[allow(clippy::too_many_arguments)]
-    fn stretch(
-        &mut self,
-        solid: &SolidModel<D>,
-        state: &mut State,
-        external: &[f64],
-        (slope, left): (f64, f64),
-        (left_over, found): (&[f64], Trial<D>),
-        place: &dyn Fn(&mut State, f64),
-        change: &[f64],
-    ) -> Trial<D> {
-        let length = match left < 0.875 * slope {
-            true => (slope / (slope - left)).min(LONGEST),
-            false => LONGEST,
-        };
-        place(state, length);
-        let next = self.evaluate(solid, state, external);
-        self.searches += 1;
-        let steeper = dot(&next.force, change);
-        if next.potential(left_over) < found.potential(left_over) && steeper > -slope {
-            return next;
-        }
-        place(state, 1.0);
-        found
+            let found = self.evaluate(solid, state, external);
+            searches += 1;
+            Ok(Reached {
+                length,
+                fallen: high - found.potential(shares),
+                left: dot(&found.force, change),
+                found,
+            })
+        })?;
+        self.searches += searches;
+        place(
+            state,
+            reached.as_ref().map_or(0.0, |reached| reached.length),
+        );
+        Ok(reached.map(|reached| reached.found))
     }
 }
 
@@ -320,23 +295,15 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
             if pass == self.plan.iterations {
                 break;
             }
-            let t0 = std::time::Instant::now();
             let (change, inner) = self.direction(solid, state, &at, imbalance)?;
-            let t1 = t0.elapsed().as_secs_f64();
             iterations += inner;
             self.newton += 1;
             let exact = self.rest == 0;
-            let s0 = self.searches;
-            let rf = self.tangent.refilled;
-            let before = at.potential(&at.answer.hourglass);
-            match self.search(solid, state, &external, &at, &change) {
+            match self.search(solid, state, &external, &at, &change)? {
                 Some(next) => at = next,
                 // The exact tangent may have led astray; the others always lead down.
                 None if exact && self.plan.method != DamageMethod::Alternate => self.rest = REST,
                 None => break,
-            }
-            if std::env::var("DBG").is_ok() {
-                eprintln!("  pass {pass} imb {imbalance:.2e} inner {inner} dir {t1:.3}s all {:.3}s searches {} rest {} dE {:.3e} refilled {rf} fb {} broken {}", t0.elapsed().as_secs_f64(), self.searches - s0, self.rest, at.potential(&at.answer.hourglass) - before, self.fallbacks, at.answer.damage.iter().filter(|d| **d > 0.9).count());
             }
         }
         Err(StepError::NotBroken {

@@ -47,7 +47,11 @@ impl<const D: usize> Moduli<D> for Damaged<'_, D> {
 impl<const D: usize> TangentMatrix<D> {
     /// Matrix of intact rock, not filled yet.
     pub fn new(solid: &SolidModel<D>) -> Self {
-        let tangents = solid.elastic.lame.iter().map(|lame| Tangent::elastic(*lame));
+        let tangents = solid
+            .elastic
+            .lame
+            .iter()
+            .map(|lame| Tangent::elastic(*lame));
         TangentMatrix {
             matrix: solid.stiffness.clone(),
             tangents: tangents.collect(),
@@ -90,7 +94,13 @@ impl<const D: usize> TangentMatrix<D> {
             tangents: &self.tangents,
             integrity: &self.integrity,
         };
-        fill_rows(elastic, &moduli, Some(&changed), &solid.points, self.matrix.data_mut());
+        fill_rows(
+            elastic,
+            &moduli,
+            Some(&changed),
+            &solid.points,
+            self.matrix.data_mut(),
+        );
         self.refilled += count as u64;
         self.filled = true;
         true

@@ -1,0 +1,178 @@
+//! Rock that breaks: unloading, growth within one step, next to no stiffness left, large contrasts of
+//! permeability. A run ends in balance, or it says why it does not.
+
+use perifrac::plan::{DamageMethod, Plan, StepRule};
+use perifrac::run::RunError;
+use perifrac::schemes::{State, StepError};
+
+use crate::support::{plan_of_variant, try_run};
+
+const QUICK: [&str; 3] = [
+    "output.plots=false",
+    "output.times=[]",
+    "geometry.points=[20, 20]",
+];
+
+fn notch(overrides: &[&str]) -> Plan {
+    plan_of_variant(
+        "notched-tension",
+        "smoke",
+        &[&QUICK[..], overrides].concat(),
+    )
+}
+
+fn with_step(mut plan: Plan, step: f64) -> Plan {
+    plan.time.step = StepRule::Fixed(step);
+    plan.time.max_step = None;
+    plan
+}
+
+fn finite(state: &State) -> bool {
+    let fields = [&state.displacement, &state.history, &state.pressure];
+    fields
+        .iter()
+        .all(|field| field.iter().all(|value| value.is_finite()))
+}
+
+/// The whole specimen breaks within the only step there is.
+#[test]
+fn a_step_that_breaks_the_whole_specimen_ends_in_balance() {
+    let plan = with_step(notch(&["damage.residual_stiffness=1e-9"]), 6000.0);
+    let (summary, state) = try_run(&plan).unwrap();
+    assert!(finite(&state));
+    assert_eq!(summary.steps, 1);
+    let results = summary.results.unwrap();
+    assert!(results.crack_length > 1e-4, "{results:?}");
+    let (momentum, energy) = (
+        summary.balance.momentum.unwrap(),
+        summary.balance.energy.unwrap(),
+    );
+    // What still holds is little, so the imbalance is told relative to it.
+    assert!(momentum.is_finite() && energy.is_finite() && energy > 0.0);
+    // Far from the force of an unbroken specimen at that displacement.
+    let elastic = results.initial_stiffness.unwrap() * 6e-3;
+    assert!(results.peak_force.unwrap() <= elastic);
+}
+
+#[test]
+fn unloading_heals_nothing_and_reloading_breaks_nothing_more() {
+    let cycle = "mechanics.boundary.top={displacement = [0, {time = [0, 1, 2, 3], \
+                 value = [0, 3.5e-6, 1e-6, 3.5e-6]}]}";
+    let run = |end: &str| {
+        try_run(&with_step(
+            notch(&[cycle, end, "time.first_step=0.5", "time.max_step=0.5"]),
+            0.5,
+        ))
+        .unwrap()
+    };
+    let (loaded, once) = run("time.end=1");
+    let (unloaded, back) = run("time.end=2");
+    let (_, again) = run("time.end=3");
+    let [first, second] = [loaded, unloaded].map(|summary| summary.results.unwrap());
+    assert!((first.dissipated_energy / second.dissipated_energy - 1.0).abs() < 1e-12);
+    assert!(
+        back.history
+            .iter()
+            .zip(&once.history)
+            .all(|(after, before)| after >= before)
+    );
+    let grown = again
+        .history
+        .iter()
+        .zip(&once.history)
+        .map(|(a, b)| (a - b).abs() / (b + 1e3));
+    assert!(grown.fold(0.0, f64::max) < 1e-3);
+}
+
+/// The tangents differ, the equilibrium does not.
+#[test]
+fn newton_and_alternate_minimisation_find_the_same_state() {
+    let run = |method| {
+        let mut plan = with_step(notch(&["time.end=3000", "damage.tolerance=1e-7"]), 1500.0);
+        plan.damage.as_mut().unwrap().method = method;
+        try_run(&plan).unwrap()
+    };
+    let (auto, first) = run(DamageMethod::Auto);
+    let (alternate, second) = run(DamageMethod::Alternate);
+    let largest = first
+        .displacement
+        .iter()
+        .fold(0.0_f64, |m, u| m.max(u.abs()));
+    let pairs = first.displacement.iter().zip(&second.displacement);
+    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-4 * largest, "{apart} of {largest}");
+    let [auto, alternate] = [auto, alternate].map(|summary| summary.counters.newton_iterations);
+    assert!(auto < alternate, "{auto} {alternate}");
+}
+
+#[test]
+fn too_few_iterations_are_named_and_nothing_is_accepted() {
+    let plan = with_step(notch(&["damage.iterations=3"]), 6000.0);
+    let Err(RunError::Step { source, .. }) = try_run(&plan) else {
+        panic!("three iterations cannot break a specimen");
+    };
+    assert!(matches!(source, StepError::NotBroken { residual, .. } if residual > 1e-4));
+    assert!(source.to_string().contains("damage.iterations"));
+}
+
+/// Rock that leaks and rock that hardly does, storage next to nothing.
+#[test]
+fn injection_balances_mass_at_any_contrast() {
+    for rock in ["1e-12 m^2", "1e-15 m^2"] {
+        let rock = format!("materials.rock.permeability={rock}");
+        let quick = [
+            "output.plots=false",
+            "time.end=0.02",
+            "geometry.spacing=0.04",
+            &rock,
+        ];
+        let (summary, state) =
+            try_run(&plan_of_variant("injection-rate", "smoke", &quick)).unwrap();
+        assert!(finite(&state), "{rock}");
+        assert!(
+            summary.balance.mass < 1e-6,
+            "{rock}: {}",
+            summary.balance.mass
+        );
+        assert!(summary.balance.momentum.unwrap() < 1e-4, "{rock}");
+        let results = summary.results.unwrap();
+        assert!(
+            results.peak_injection_pressure.unwrap() > 1e4,
+            "{rock}: {results:?}"
+        );
+    }
+}
+
+/// A hundred times the step of the case.
+#[test]
+fn a_step_a_hundred_times_longer_ends_in_balance_or_is_named() {
+    let quick = ["output.plots=false", "geometry.spacing=0.04"];
+    match try_run(&with_step(
+        plan_of_variant("injection-rate", "smoke", &quick),
+        0.4,
+    )) {
+        Ok((summary, state)) => {
+            assert!(finite(&state));
+            assert!(summary.balance.mass < 1e-6 && summary.balance.momentum.unwrap() < 1e-4);
+        }
+        Err(error) => assert!(error.to_string().contains("damage.iterations"), "{error}"),
+    }
+}
+
+/// Turns agree with both at once where the pressure is prescribed.
+#[test]
+fn fields_in_turns_agree_with_both_at_once_under_a_prescribed_pressure() {
+    let run = |scheme: &str| {
+        let quick = ["output.plots=false", scheme];
+        try_run(&plan_of_variant("pressurised-notch", "smoke", &quick)).unwrap()
+    };
+    let (_, turns) = run("scheme.name=staggered");
+    let (_, both) = run("scheme.name=monolithic");
+    let largest = both
+        .displacement
+        .iter()
+        .fold(0.0_f64, |m, u| m.max(u.abs()));
+    let pairs = both.displacement.iter().zip(&turns.displacement);
+    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-3 * largest, "{apart} of {largest}");
+}
