@@ -63,7 +63,7 @@ fn operator_loops<const D: usize>(plan: &Plan, group: &mut Group<'_>) -> Result<
     let mut outcome = Ok(());
     group.throughput(Throughput::Bytes(step_bytes(flow)));
     group.bench_function("forward Euler step", |bench| {
-        bench.iter(|| outcome = marcher.step(&model));
+        bench.iter(|| outcome = marcher.step(&mut model));
     });
     outcome
 }

@@ -144,8 +144,8 @@ fn measure<const D: usize>(mut model: Model<D>, triad: &mut Triad) -> Result<Loo
         let product = seconds_each(CALLS, || {
             multiply(matrix, black_box(&pressure), &mut result)
         });
-        let mut outcome = marcher.step(&model);
-        let step = seconds_each(CALLS, || outcome = marcher.step(&model));
+        let mut outcome = marcher.step(&mut model);
+        let step = seconds_each(CALLS, || outcome = marcher.step(&mut model));
         outcome?;
         let triad = seconds_each(2, || triad.run());
         for (all, one) in samples

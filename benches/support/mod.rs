@@ -189,7 +189,7 @@ impl<const D: usize> Marcher<D> {
     }
 
     /// One step.
-    pub fn step(&mut self, model: &Model<D>) -> Result<()> {
+    pub fn step(&mut self, model: &mut Model<D>) -> Result<()> {
         self.scheme
             .step(model, &self.old, self.dt, &mut self.trial)?;
         std::mem::swap(&mut self.old, &mut self.trial);

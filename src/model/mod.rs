@@ -30,7 +30,7 @@ pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
 use crate::effects::injection_shares;
 use crate::geometry::{Cloud, Families, Share, Vector};
-use crate::plan::{CrackPlan, Plan, manufactured};
+use crate::plan::{CrackPlan, Plan, damage_width, manufactured, width_warning};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
 
@@ -90,6 +90,7 @@ impl<const D: usize> Model<D> {
         let points = properties::assign(plan, &cloud, table)?;
         let bands = Bands::find(plan, &cloud)?;
         let mut warnings = Vec::new();
+        warnings.extend(doubtful_width(plan, &families));
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
         let solid = build_solid(
             plan,
@@ -171,6 +172,13 @@ impl<const D: usize> Model<D> {
             .map(|f| ("fracture-flow", f.bytes()));
         flow.chain(solid).chain(coupling).chain(cracks).collect()
     }
+}
+
+/// A warning where the horizon makes cracks cost something else than their fracture energy.
+fn doubtful_width<const D: usize>(plan: &Plan, families: &Families<D>) -> Option<String> {
+    let damage = plan.damage.as_ref()?;
+    let widest = families.horizon.iter().copied().fold(0.0, f64::max);
+    width_warning(damage_width(widest, damage), damage)
 }
 
 fn injections<const D: usize>(

@@ -32,6 +32,9 @@ pub fn build<const D: usize>(
                      staggered or monolithic",
         });
     }
+    if plan.damage.is_some() {
+        check_damage(plan, model)?;
+    }
     if inertia {
         return dynamic(plan, model);
     }
@@ -40,6 +43,25 @@ pub fn build<const D: usize>(
         (None, _) => Ok(Box::new(QuasiStatic::new(solid_alone(plan, model)?))),
         (Some(_), Some(_)) => coupled(plan, model),
     }
+}
+
+/// What rock that breaks does not go together with.
+fn check_damage<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<(), StepError> {
+    let refused = |reason| {
+        Err(StepError::Refused {
+            scheme: plan.scheme.name(),
+            reason,
+        })
+    };
+    if model.share().partition().is_some() {
+        return refused("damage works in one process; start it without mpirun");
+    }
+    if model.flow.is_some() && model.fracture_flow.is_none() {
+        return refused(
+            "flow would not follow damage; add [fracture_flow], or leave [flow] or [damage] out",
+        );
+    }
+    Ok(())
 }
 
 fn flow_alone<const D: usize>(

@@ -145,7 +145,7 @@ fn unbalanced(geometry: &str, gradient: &str, stress: [f64; 3]) -> f64 {
         .iter()
         .flat_map(|x| (strain * x).data.0[0])
         .collect();
-    let (force, _) = model.unbalanced(0.0, &[], &displacement, &[]);
+    let (force, _) = model.unbalanced(0.0, &[], &displacement, &[], &[]);
     largest(&force) / 0.1
 }
 

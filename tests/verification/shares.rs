@@ -38,7 +38,9 @@ fn answers<const D: usize>(model: &Model<D>) -> Vec<(&'static str, Vec<f64>)> {
         let walls = rough(solid.walls.len());
         all.push((
             "forces",
-            model.unbalanced(0.3, &pressure, &displacement, &walls).0,
+            model
+                .unbalanced(0.3, &pressure, &displacement, &walls, &[])
+                .0,
         ));
         all.push(("content", model.content(&displacement, &walls)));
         all.push((

@@ -26,7 +26,7 @@ fn law<const D: usize>(split: EnergySplit, prestress: f64) -> DamageLaw<D> {
 }
 
 fn symmetric<const D: usize>(entries: &[f64]) -> Matrix<D> {
-    let full = Matrix::from_fn(|a, b| entries[a * D + b]);
+    let full: Matrix<D> = Matrix::from_fn(|a, b| entries[a * D + b]);
     (full + full.transpose()) * 0.5
 }
 

@@ -8,8 +8,8 @@ use crate::geometry::{Horizon, Shape};
 use crate::load::Load;
 use crate::plan::{
     Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan,
-    EnergySplit, FractureFlowPlan, GradientChoice, InjectionPlan, Integrator, SchemeChoice,
-    SolidMethod, Support, TimeMode, TransmissivityRule,
+    EnergySplit, FractureFlowPlan, GradientChoice, HourglassRule, InjectionPlan, Integrator,
+    SchemeChoice, SolidMethod, Support, TimeMode, TransmissivityRule,
 };
 use crate::scene::load_str;
 
@@ -250,6 +250,7 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
         length_scale: 0.2,
         split: EnergySplit::None,
         residual_stiffness: 1e-9,
+        hourglass: HourglassRule::Variational,
         normalise: true,
         method: DamageMethod::Alternate,
         tolerance: 1e-5,

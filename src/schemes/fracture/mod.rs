@@ -76,6 +76,12 @@ impl<const D: usize> Fracture<D> {
     /// [`StepError`] if the solver is refused, or the scene has walls or processes that it cannot have.
     pub fn new(demand: &Demand, model: &Model<D>, plan: DamagePlan) -> Result<Self, StepError> {
         let solid = solid_of(model)?;
+        if solid.share().partition().is_some() {
+            return Err(StepError::Refused {
+                scheme: "damage",
+                reason: "it works in one process; start it without mpirun",
+            });
+        }
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
             solves: demand.solves,
