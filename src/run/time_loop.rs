@@ -450,8 +450,7 @@ impl<const D: usize> Run<'_, D> {
             self.plan,
             &self.model,
             &self.state,
-            dt,
-            report.iterations,
+            (dt, report.iterations),
             &self.balance,
             self.tracker.last.as_ref(),
         );

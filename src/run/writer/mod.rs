@@ -108,8 +108,7 @@ impl Writer {
         plan: &Plan,
         model: &Model<D>,
         state: &State,
-        dt: f64,
-        iterations: usize,
+        (dt, iterations): (f64, usize),
         balance: &Balance,
         fractures: Option<&Fractures>,
     ) -> Result<(), OutputError> {
