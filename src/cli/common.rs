@@ -59,7 +59,7 @@ impl SceneArgs {
             Some((case, variant)) => (case, Some(variant)),
             None => (&*self.scene, None),
         };
-        let bundled = cases::find(case).filter(|_| !path.exists());
+        let bundled = cases::find(case).filter(|_| !path.is_file());
         let (case, loaded) = match bundled {
             Some(case) => {
                 let layers = case
