@@ -1,5 +1,4 @@
-//! Rock that breaks: unloading, growth within one step, next to no stiffness left, large contrasts of
-//! permeability. A run ends in balance, or it says why it does not.
+//! Rock that breaks: unloading, growth within one step, next to no stiffness left. A run ends in balance, or it says why it does not.
 
 use perifrac::plan::{DamageMethod, Plan, StepRule};
 use perifrac::run::RunError;
@@ -115,32 +114,23 @@ fn too_few_iterations_are_named_and_nothing_is_accepted() {
     assert!(source.to_string().contains("damage.iterations"));
 }
 
-/// Rock that leaks and rock that hardly does, storage next to nothing.
+/// What is pumped in is in the crack, in the pores, or gone through the sides.
 #[test]
-fn injection_balances_mass_at_any_contrast() {
-    for rock in ["1e-12 m^2", "1e-15 m^2"] {
-        let rock = format!("materials.rock.permeability={rock}");
-        let quick = [
-            "output.plots=false",
-            "time.end=0.02",
-            "geometry.spacing=0.04",
-            &rock,
-        ];
-        let (summary, state) =
-            try_run(&plan_of_variant("injection-rate", "smoke", &quick)).unwrap();
-        assert!(finite(&state), "{rock}");
-        assert!(
-            summary.balance.mass < 1e-6,
-            "{rock}: {}",
-            summary.balance.mass
-        );
-        assert!(summary.balance.momentum.unwrap() < 1e-4, "{rock}");
-        let results = summary.results.unwrap();
-        assert!(
-            results.peak_injection_pressure.unwrap() > 1e4,
-            "{rock}: {results:?}"
-        );
-    }
+fn injection_balances_mass_and_forces() {
+    let quick = [
+        "output.plots=false",
+        "time.end=0.02",
+        "geometry.spacing=0.04",
+    ];
+    let (summary, state) = try_run(&plan_of_variant("injection-rate", "smoke", &quick)).unwrap();
+    assert!(finite(&state));
+    assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
+    assert!(summary.balance.momentum.unwrap() < 1e-4);
+    let results = summary.results.unwrap();
+    assert!(
+        results.peak_injection_pressure.unwrap() > 1e4,
+        "{results:?}"
+    );
 }
 
 /// A hundred times the step of the case.
