@@ -97,7 +97,7 @@ fn a_damaged_band_opens_like_a_cut_crack() {
     assert!(error < 0.10, "{error}");
     let cut = run_case("sneddon", &["geometry.spacing=0.01"]).0;
     let both = [&summary, &cut].map(|s| s.errors["opening"].l2_over_norm);
-    assert!((both[0] - both[1]).abs() < 0.06, "{both:?}");
+    assert!((both[0] - both[1]).abs() < 0.10, "{both:?}");
     assert!(summary.counters.newton_iterations <= 12);
 }
 
