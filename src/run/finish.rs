@@ -11,7 +11,8 @@ use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
 use crate::geometry::{Families, Side, Vector};
 use crate::model::FlowModel;
 use crate::plan::{
-    ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux, exact_pressure,
+    CrackKind, ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux,
+    exact_pressure,
 };
 use crate::reference::{ErrorNorms, ExactDisplacement};
 use crate::report::Counters;
@@ -140,7 +141,8 @@ impl<const D: usize> Run<'_, D> {
 
     /// Faces that are pressed together go through each other: nothing stops them yet.
     fn warn_of_overlap(&mut self) {
-        for (number, crack) in self.plan.cracks.iter().enumerate() {
+        let cracks = self.plan.cracks.iter().enumerate();
+        for (number, crack) in cracks.filter(|(_, crack)| crack.kind == CrackKind::Cut) {
             let jumps = openings(&self.model, &self.state, number);
             let deepest = jumps.iter().map(|jump| jump[0]).fold(0.0, f64::min);
             let sizes = jumps.iter().flatten().map(|jump| jump.abs());
