@@ -187,6 +187,9 @@ impl Planned {
             }
             ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
             ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
+            ModelError::Effect(EffectError::EmptyInjection { name, .. }) => {
+                Some(scene.cracks.get(name)?.injection.as_ref()?.at.span)
+            }
             ModelError::Effect(EffectError::OverlappingWells { second, .. }) => well(second),
             ModelError::Effect(EffectError::EmptyLoad { name, .. }) => {
                 let mut loads = scene.mechanics.as_ref()?.loads.iter();

@@ -1,22 +1,17 @@
 //! Fluid that is pumped into a crack: spread over the points of the crack around a place.
 
+use super::spread::{Spread, planes_of_symmetry};
 use super::{Context, Effect, EffectError, vector};
-use crate::geometry::{Side, Vector};
-use crate::operators::{Neighbourhood, Parity};
-use crate::plan::{CrackPlan, InjectionPlan, Load};
-
-struct Injection {
-    rate: Load,
-    share: Vec<(u32, f64)>,
-    inside: f64,
-}
+use crate::geometry::Vector;
+use crate::operators::Neighbourhood;
+use crate::plan::{CrackPlan, InjectionPlan};
 
 pub(super) fn build<const D: usize>(
     context: &Context<'_, D>,
 ) -> Result<Vec<Box<dyn Effect>>, EffectError> {
     let pumped = |(crack, band): (&CrackPlan, &Vec<u32>)| {
         let injection = crack.injection.as_ref()?;
-        Some(Injection::new(context, crack, injection, band))
+        Some(pump(context, crack, injection, band))
     };
     let cracks = context.plan.cracks.iter().zip(context.bands);
     cracks
@@ -43,60 +38,28 @@ pub fn injection_shares<const D: usize>(
         .collect()
 }
 
-impl Injection {
-    fn new<const D: usize>(
-        context: &Context<'_, D>,
-        crack: &CrackPlan,
-        injection: &InjectionPlan,
-        band: &[u32],
-    ) -> Result<Self, EffectError> {
-        let at = vector(&injection.at);
-        let mut share = injection_shares(context.operator.neighbourhood(), &at, band);
-        if share.is_empty() {
-            return Err(EffectError::EmptyInjection {
-                name: crack.name.clone(),
-                at: injection.at.clone(),
-            });
-        }
-        // A place on a plane of symmetry has half of what it gets outside.
-        let domain = &context.operator.neighbourhood().cloud.domain;
-        let on = |side: &Side| {
-            let gap = (at[side.axis] - domain.plane(*side)).abs();
-            let sealed = context.extension.parity(*side) == Parity::Even;
-            domain.planes && sealed && gap < 1e-9 * domain.size()[side.axis]
-        };
-        let inside = 0.5_f64.powi(Side::all(D).filter(on).count() as i32);
-        share.iter_mut().for_each(|(_, share)| *share *= inside);
-        let rate = injection.rate.clone();
-        Ok(Injection {
-            rate,
-            share,
-            inside,
-        })
+fn pump<const D: usize>(
+    context: &Context<'_, D>,
+    crack: &CrackPlan,
+    injection: &InjectionPlan,
+    band: &[u32],
+) -> Result<Spread, EffectError> {
+    let at = vector(&injection.at);
+    let mut share = injection_shares(context.operator.neighbourhood(), &at, band);
+    if share.is_empty() {
+        return Err(EffectError::EmptyInjection {
+            name: crack.name.clone(),
+            at: injection.at.clone(),
+        });
     }
-}
-
-impl Effect for Injection {
-    fn name(&self) -> &'static str {
-        "injection"
-    }
-
-    fn add_rate(&self, time: f64, rate: &mut [f64]) {
-        let total = self.rate.at(time);
-        for &(point, share) in &self.share {
-            rate[point as usize] += total * share;
-        }
-    }
-
-    fn injection(&self, time: f64) -> f64 {
-        self.rate.at(time) * self.inside
-    }
-
-    fn breakpoints(&self) -> Vec<f64> {
-        self.rate.breakpoints().to_vec()
-    }
-
-    fn bytes(&self) -> usize {
-        self.share.len() * size_of::<(u32, f64)>()
-    }
+    // A place on a plane of symmetry has half of what it gets outside.
+    let planes = planes_of_symmetry(context, &at).into_iter();
+    let inside = 0.5_f64.powi(planes.filter(|(_, gap)| *gap <= 0.0).count() as i32);
+    share.iter_mut().for_each(|(_, share)| *share *= inside);
+    Ok(Spread {
+        name: "injection",
+        rate: injection.rate.clone(),
+        share,
+        inside,
+    })
 }

@@ -9,6 +9,7 @@ mod gravity;
 mod injection;
 mod solid;
 mod source;
+mod spread;
 mod wells;
 
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -5,18 +5,11 @@
 //! therefore feeds a quarter of its rate into it, on a side a half. Where a well's support reaches
 //! across a sealed plane it does not stand on, its mirror well feeds back what is lost.
 
+use super::spread::{Spread, planes_of_symmetry};
 use super::{Context, Effect, EffectError, vector};
-use crate::geometry::Side;
 use crate::geometry::Vector;
-use crate::operators::{Neighbourhood, Parity};
-use crate::plan::Load;
+use crate::operators::Neighbourhood;
 use crate::plan::WellPlan;
-
-struct Well {
-    rate: Load,
-    share: Vec<(u32, f64)>,
-    inside: f64,
-}
 
 pub(super) fn build<const D: usize>(
     context: &Context<'_, D>,
@@ -39,7 +32,7 @@ pub(super) fn build<const D: usize>(
         }
     }
     let one = |(well, &radius): (&WellPlan, &f64)| -> Result<Box<dyn Effect>, EffectError> {
-        Ok(Box::new(Well::new(context, well, radius)?))
+        Ok(Box::new(spread(context, well, radius)?))
     };
     wells.iter().zip(&radius).map(one).collect()
 }
@@ -52,38 +45,38 @@ fn radius<const D: usize>(around: &Neighbourhood<D>, well: &WellPlan) -> f64 {
     well.radius.unwrap_or(equation)
 }
 
-impl Well {
-    fn new<const D: usize>(
-        context: &Context<'_, D>,
-        well: &WellPlan,
-        radius: f64,
-    ) -> Result<Self, EffectError> {
-        let cloud = &context.operator.neighbourhood().cloud;
-        let images = well_images(context, &vector(&well.at), radius);
-        let mut share = Vec::new();
-        for (point, x) in cloud.position.iter().enumerate() {
-            let weight: f64 = images
-                .places
-                .iter()
-                .map(|well| kernel((x - well).norm(), radius))
-                .sum();
-            if weight > 0.0 {
-                share.push((point as u32, weight * cloud.volume[point]));
-            }
+/// Spreads one well over the points within its radius.
+fn spread<const D: usize>(
+    context: &Context<'_, D>,
+    well: &WellPlan,
+    radius: f64,
+) -> Result<Spread, EffectError> {
+    let cloud = &context.operator.neighbourhood().cloud;
+    let images = well_images(context, &vector(&well.at), radius);
+    let mut share = Vec::new();
+    for (point, x) in cloud.position.iter().enumerate() {
+        let weight: f64 = images
+            .places
+            .iter()
+            .map(|well| kernel((x - well).norm(), radius))
+            .sum();
+        if weight > 0.0 {
+            share.push((point as u32, weight * cloud.volume[point]));
         }
-        let sum: f64 = share.iter().map(|(_, s)| s).sum();
-        if share.is_empty() || sum <= 0.0 {
-            let (name, at) = (well.name.clone(), well.at.clone());
-            return Err(EffectError::EmptyWell { name, at, radius });
-        }
-        let inside = images.inside;
-        share.iter_mut().for_each(|(_, s)| *s *= inside / sum);
-        Ok(Well {
-            rate: well.rate.clone(),
-            share,
-            inside,
-        })
     }
+    let sum: f64 = share.iter().map(|(_, s)| s).sum();
+    if share.is_empty() || sum <= 0.0 {
+        let (name, at) = (well.name.clone(), well.at.clone());
+        return Err(EffectError::EmptyWell { name, at, radius });
+    }
+    let inside = images.inside;
+    share.iter_mut().for_each(|(_, s)| *s *= inside / sum);
+    Ok(Spread {
+        name: "wells",
+        rate: well.rate.clone(),
+        share,
+        inside,
+    })
 }
 
 /// Shape of Eq. 78; its factor cancels in the normalisation.
@@ -113,10 +106,8 @@ fn well_images<const D: usize>(
         places: vec![*at],
         inside: 1.0,
     };
-    let sealed = |side: &Side| domain.planes && context.extension.parity(*side) == Parity::Even;
-    for side in Side::all(D).filter(sealed) {
-        let gap = (at[side.axis] - domain.plane(side)).abs();
-        if gap < 1e-9 * domain.size()[side.axis] {
+    for (side, gap) in planes_of_symmetry(context, at) {
+        if gap <= 0.0 {
             images.inside *= 0.5;
         } else if gap < radius {
             let mirror = |place: &Vector<D>| {
@@ -129,29 +120,4 @@ fn well_images<const D: usize>(
         }
     }
     images
-}
-
-impl Effect for Well {
-    fn name(&self) -> &'static str {
-        "wells"
-    }
-
-    fn add_rate(&self, time: f64, rate: &mut [f64]) {
-        let total = self.rate.at(time);
-        for &(point, share) in &self.share {
-            rate[point as usize] += total * share;
-        }
-    }
-
-    fn injection(&self, time: f64) -> f64 {
-        self.rate.at(time) * self.inside
-    }
-
-    fn breakpoints(&self) -> Vec<f64> {
-        self.rate.breakpoints().to_vec()
-    }
-
-    fn bytes(&self) -> usize {
-        self.share.len() * size_of::<(u32, f64)>()
-    }
 }

@@ -1,13 +1,14 @@
-//! Damage as a plan asks for it.
+//! Damage as a plan asks for it, and what a solid with damage answers.
 
 use crate::effects::tensor;
 use crate::geometry::Matrix;
 use crate::material::DamageLaw;
-use crate::operators::{Damage, Elastic};
+use crate::operators::{Answer, Damage, Elastic};
 use crate::plan::{MechanicsPlan, Plan};
 
 use super::bands::Bands;
 use super::properties::Properties;
+use super::{MovingWall, SolidModel};
 
 /// Damage of points in cracks that are there from the start.
 const BROKEN: f64 = 0.9999;
@@ -43,4 +44,53 @@ pub(super) fn build<const D: usize>(
         initial[point] = law.history(BROKEN, toughness[point]);
     }
     Some(Damage::new(law, toughness, initial))
+}
+
+impl<const D: usize> SolidModel<D> {
+    /// Answer of a solid with damage to a displacement after `history`, J/m³; `None` without damage.
+    pub fn answer(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        history: &[f64],
+    ) -> Option<Answer<D>> {
+        let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
+        let damage = self.damage.as_ref()?;
+        Some(damage.answer(&self.elastic, history, difference))
+    }
+
+    /// Takes the internal force off `force`, shape `(n·D,)`, N, with damage after `history` if there is
+    /// any.
+    pub fn subtract_force(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        history: &[f64],
+        force: &mut [f64],
+    ) {
+        match self.answer(displacement, walls, history) {
+            Some(answer) => self.subtract_answer(&answer, force),
+            None => self.subtract_internal(displacement, walls, force),
+        }
+    }
+
+    /// Takes the internal force of an answer off `force`, shape `(n·D,)`, N.
+    pub fn subtract_answer(&self, answer: &Answer<D>, force: &mut [f64]) {
+        let internal = self.elastic.gather(&answer.forces);
+        force
+            .iter_mut()
+            .zip(&internal)
+            .for_each(|(f, own)| *f -= own);
+    }
+
+    /// Force that holds each wall where it is, N, by an answer.
+    pub fn wall_forces(&self, answer: &Answer<D>) -> Vec<f64> {
+        let force = |wall: &MovingWall| -> f64 {
+            let bonds = wall.bonds.iter();
+            bonds
+                .map(|&(bond, offset)| offset * answer.forces[bond as usize][wall.component])
+                .sum()
+        };
+        self.walls.iter().map(force).collect()
+    }
 }

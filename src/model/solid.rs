@@ -17,7 +17,7 @@ use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{Cloud, Families, Matrix, Place, Share, Side, Vector};
 use crate::load::Load;
 use crate::operators::{
-    Answer, Damage, Divergence, Elastic, Extension, Neighbourhood, Parity, point_value,
+    Damage, Divergence, Elastic, Extension, Neighbourhood, Parity, point_value,
 };
 use crate::plan::{MechanicsPlan, Plan, Support};
 
@@ -329,53 +329,6 @@ impl<const D: usize> SolidModel<D> {
             Drive::Displacement(_) => 0.0,
         };
         self.walls.iter().zip(walls).map(work).sum()
-    }
-
-    /// Answer of a solid with damage to a displacement after `history`, J/m³; `None` without damage.
-    pub fn answer(
-        &self,
-        displacement: &[f64],
-        walls: &[f64],
-        history: &[f64],
-    ) -> Option<Answer<D>> {
-        let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
-        let damage = self.damage.as_ref()?;
-        Some(damage.answer(&self.elastic, history, difference))
-    }
-
-    /// Takes the internal force off `force`, shape `(n·D,)`, N, with damage after `history` if there is
-    /// any.
-    pub fn subtract_force(
-        &self,
-        displacement: &[f64],
-        walls: &[f64],
-        history: &[f64],
-        force: &mut [f64],
-    ) {
-        match self.answer(displacement, walls, history) {
-            Some(answer) => self.subtract_answer(&answer, force),
-            None => self.subtract_internal(displacement, walls, force),
-        }
-    }
-
-    /// Takes the internal force of an answer off `force`, shape `(n·D,)`, N.
-    pub fn subtract_answer(&self, answer: &Answer<D>, force: &mut [f64]) {
-        let internal = self.elastic.gather(&answer.forces);
-        force
-            .iter_mut()
-            .zip(&internal)
-            .for_each(|(f, own)| *f -= own);
-    }
-
-    /// Force that holds each wall where it is, N, by an answer.
-    pub fn wall_forces(&self, answer: &Answer<D>) -> Vec<f64> {
-        let force = |wall: &MovingWall| -> f64 {
-            let bonds = wall.bonds.iter();
-            bonds
-                .map(|&(bond, offset)| offset * answer.forces[bond as usize][wall.component])
-                .sum()
-        };
-        self.walls.iter().map(force).collect()
     }
 
     /// Bond difference with the walls where they are, m.

@@ -312,6 +312,8 @@ impl<const D: usize> Run<'_, D> {
         }
         let damage = model.solid.as_ref().and_then(|solid| solid.damage.as_ref());
         evaluations.extend(damage.map(|damage| ("damage", damage.evaluations())));
+        let cracks = model.fracture_flow.as_ref();
+        evaluations.extend(cracks.map(|cracks| ("aperture", cracks.evaluations)));
         Counters {
             steps: self.steps,
             rejected: self.rejected,

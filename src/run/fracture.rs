@@ -5,12 +5,13 @@ use serde::Serialize;
 use crate::geometry::Side;
 use crate::model::{Model, driven_walls};
 use crate::plan::{CrackPlan, MechanicsPlan, Plan};
-use crate::schemes::State;
+use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
+use super::time_loop::Run;
 
 /// Damage from which a point counts as broken.
-pub const BROKEN: f64 = 0.9;
+const BROKEN: f64 = 0.9;
 
 /// What damage has done until a time.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,6 +27,8 @@ pub struct Fractures {
     pub walls: Vec<[f64; 2]>,
     /// Pressure in each crack that has one, Pa: prescribed, or where fluid is pumped in.
     pub pressure: Vec<f64>,
+    /// Largest opening that fluid flows through, m; with flow in fractures.
+    pub aperture: Option<f64>,
 }
 
 impl Fractures {
@@ -49,7 +52,9 @@ impl Fractures {
                 .as_ref()
                 .map(|pressure| pressure.at(state.time)),
         };
+        let largest = |openings: &[f64]| openings.iter().copied().fold(0.0, f64::max);
         Some(Fractures {
+            aperture: model.fracture_flow.as_ref().map(|f| largest(&f.aperture)),
             crack_length: length.sum(),
             dissipated: damage.dissipated(volume, &state.history),
             walls: state
@@ -91,6 +96,9 @@ pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Stri
         .to_owned(),
     );
     names.push("dissipated_J".to_owned());
+    if plan.fracture_flow.is_some() {
+        names.push("aperture_max_m".to_owned());
+    }
     names
 }
 
@@ -99,6 +107,7 @@ pub fn row(fractures: &Fractures) -> Vec<f64> {
     let mut row: Vec<f64> = fractures.walls.iter().flatten().copied().collect();
     row.extend(&fractures.pressure);
     row.extend([fractures.crack_length, fractures.dissipated]);
+    row.extend(fractures.aperture);
     row
 }
 
@@ -187,5 +196,44 @@ impl Tracker {
             }
         }
         self.last = Some(now);
+    }
+}
+
+impl<const D: usize> Run<'_, D> {
+    /// Error of a step with the growth of damage taken in: what breaks in the shortest step breaks.
+    pub(super) fn judged(
+        &self,
+        relative: Option<f64>,
+        report: &StepReport,
+        dt: f64,
+    ) -> Option<f64> {
+        let (Some(damage), Some(growth)) = (&self.plan.damage, report.growth) else {
+            return relative;
+        };
+        let share = growth / damage.largest_increment;
+        let share = if dt <= damage.shortest_step {
+            share.min(1.0)
+        } else {
+            share
+        };
+        Some(
+            relative
+                .unwrap_or(0.0)
+                .max(share * self.plan.time.tolerance),
+        )
+    }
+
+    /// Whether cracks have grown enough since the last output for another one.
+    pub(super) fn has_grown(&mut self) -> bool {
+        let length = self.tracker.results.crack_length;
+        let grown = self
+            .plan
+            .output
+            .crack_increment
+            .is_some_and(|by| length >= self.drawn + by.powi(D as i32 - 1));
+        if grown {
+            self.drawn = length;
+        }
+        grown
     }
 }

@@ -263,24 +263,6 @@ impl<const D: usize> Run<'_, D> {
         Ok((scheme.counters(), scheme.solver(), scheme.limit().cloned()))
     }
 
-    /// Error of a step with the growth of damage taken in: what breaks in the shortest step breaks.
-    fn judged(&self, relative: Option<f64>, report: &StepReport, dt: f64) -> Option<f64> {
-        let (Some(damage), Some(growth)) = (&self.plan.damage, report.growth) else {
-            return relative;
-        };
-        let share = growth / damage.largest_increment;
-        let share = if dt <= damage.shortest_step {
-            share.min(1.0)
-        } else {
-            share
-        };
-        Some(
-            relative
-                .unwrap_or(0.0)
-                .max(share * self.plan.time.tolerance),
-        )
-    }
-
     fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<(), RunError> {
         self.balance.add(&report.flows);
         self.taken_up += report.stored.unwrap_or(0.0);
@@ -300,20 +282,6 @@ impl<const D: usize> Run<'_, D> {
             potential: self.balance.potential,
         });
         Ok(())
-    }
-
-    /// Whether cracks have grown enough since the last output for another one.
-    fn has_grown(&mut self) -> bool {
-        let length = self.tracker.results.crack_length;
-        let grown = self
-            .plan
-            .output
-            .crack_increment
-            .is_some_and(|by| length >= self.drawn + by);
-        if grown {
-            self.drawn = length;
-        }
-        grown
     }
 
     /// Whether the user stopped any of the processes.

@@ -193,7 +193,7 @@ impl<const D: usize> Implicit<D> {
 }
 
 /// Flows of a step as the weighted sum over its stages (weight, pressure, time, imbalance).
-fn weigh<const D: usize>(
+pub(super) fn weigh<const D: usize>(
     flow: &FlowModel<D>,
     stages: &[(f64, &Vec<f64>, f64, &Vec<f64>)],
 ) -> Flows {

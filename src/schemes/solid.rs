@@ -57,17 +57,7 @@ impl Assembled {
     /// [`StepError`] if the solver is refused.
     pub fn new<const D: usize>(demand: &Demand, solid: &SolidModel<D>) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
-        let problem = Problem {
-            partition: solid.share().partition(),
-            solves: demand.solves,
-            contrast: ratio(solid.elastic.lame.iter().map(|lame| lame.mu)),
-            coordinates: Some(Coordinates {
-                dimension: D,
-                values: &coordinates,
-            }),
-            near_nullspace: NearNullspace::RigidModes,
-            ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
-        };
+        let problem = mechanics_problem(solid, &coordinates, demand.solves);
         let (solver, chosen) = build_solver(&demand.spec, &problem)?;
         Ok(Assembled {
             solver,
@@ -105,6 +95,25 @@ impl Assembled {
         })?;
         self.refilled = Some(solid.refills);
         Ok(())
+    }
+}
+
+/// The linear problem of mechanics alone; `coordinates` are those of the points.
+pub fn mechanics_problem<'a, const D: usize>(
+    solid: &'a SolidModel<D>,
+    coordinates: &'a [f64],
+    solves: usize,
+) -> Problem<'a> {
+    Problem {
+        partition: solid.share().partition(),
+        solves,
+        contrast: ratio(solid.elastic.lame.iter().map(|lame| lame.mu)),
+        coordinates: Some(Coordinates {
+            dimension: D,
+            values: coordinates,
+        }),
+        near_nullspace: NearNullspace::RigidModes,
+        ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
     }
 }
 

@@ -279,7 +279,7 @@ pub enum StepRule {
 pub struct OutputPlan {
     /// Times of field output, s, increasing; the end is always one of them.
     pub times: Vec<f64>,
-    /// Growth of the cracks after which fields are written too, m (m² in 3-D).
+    /// Growth of the cracks after which fields are written too, m; in space its square counts.
     pub crack_increment: Option<f64>,
     /// Whether VTU files are written.
     pub vtu: bool,

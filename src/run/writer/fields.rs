@@ -92,6 +92,9 @@ fn arrays<'a, const D: usize>(
     if let Some(flow) = &model.flow {
         arrays.extend(of_flow(model, flow, state));
     }
+    if let Some(fractures) = &model.fracture_flow {
+        arrays.push(array("aperture", "m", 1, &fractures.aperture[..]));
+    }
     if let Some(solid) = &model.solid {
         let mechanics = plan.mechanics.as_ref();
         let initial = mechanics.and_then(|mechanics| mechanics.initial_stress);

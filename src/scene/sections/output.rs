@@ -16,8 +16,8 @@ pub struct Output {
     pub times: Option<Spanned<Vec<Time>>>,
     /// Interval at which fields are written, s. Excludes `times`.
     pub every: Option<Time>,
-    /// Growth of the cracks after which fields are written too, m (m² in 3-D: its square). Needs
-    /// `[damage]`.
+    /// Growth of the cracks after which fields are written too, m; in space their area grows by its
+    /// square. Needs `[damage]`.
     pub crack_increment: Option<Length>,
     /// Whether fields are written as `.vtu`.
     pub vtu: bool,

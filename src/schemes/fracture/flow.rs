@@ -14,16 +14,19 @@
 //! depends on it, as in a crack of prescribed pressure.
 
 use perifrac_solvers::{
-    Coordinates, LinearSolver, NearNullspace, Problem, SolverSpec, Symmetry, dot, multiply,
+    Coordinates, LinearSolver, NearNullspace, PRECONDITIONERS, PreconditionerInfo, Problem,
+    SolverSpec, Symmetry, dot, multiply,
 };
 
 use super::block::FractureBlock;
 use super::descent::{Reached, descend};
 use super::tangents::TangentMatrix;
+use super::{damage_of, not_finite};
 use crate::material::Softening;
 use crate::model::Model;
 use crate::operators::Answer;
 use crate::plan::{DamageMethod, DamagePlan, Plan, SchemeChoice};
+use crate::schemes::implicit::weigh;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio};
 use crate::schemes::{
@@ -162,19 +165,11 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 
     fn evaluate(&mut self, model: &Model<D>, state: &State) -> Result<Trial<D>, StepError> {
-        let solid = solid_of(model)?;
-        let answer = solid
+        let answer = solid_of(model)?
             .answer(&state.displacement, &state.walls, &state.history)
             .ok_or(StepError::Missing { part: "[damage]" })?;
-        let mut force = model.push(state.time, &state.pressure);
-        let scale = force.iter().map(|f| f.abs()).sum();
-        solid.subtract_answer(&answer, &mut force);
         self.searches += 1;
-        Ok(Trial {
-            answer,
-            force,
-            scale,
-        })
+        weigh_forces(model, state, answer)
     }
 
     /// What the pores must still take up over the step, m^D; zero where the pressure is prescribed.
@@ -231,9 +226,7 @@ impl<const D: usize> FractureFlowStep<D> {
         report: &mut StepReport,
     ) -> Result<Way, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
-        let Some(damage) = &solid.damage else {
-            return Err(StepError::Missing { part: "[damage]" });
-        };
+        let damage = damage_of(solid)?;
         let softening = match self.plan.method {
             DamageMethod::Alternate => Softening::Fixed,
             _ => Softening::Bounded,
@@ -356,7 +349,8 @@ impl<const D: usize> FractureFlowStep<D> {
         for pass in 0..=self.plan.iterations {
             model.follow_fractures(&found.answer, &state.displacement, &state.walls);
             report.iterations += self.balance(model, old, state, dt)?;
-            let at = self.evaluate(model, state)?;
+            // The displacement stands still, so the solid's own answer is the same.
+            let at = weigh_forces(model, state, found.answer)?;
             self.largest = self.largest.max(at.scale);
             let scale = at
                 .scale
@@ -364,11 +358,7 @@ impl<const D: usize> FractureFlowStep<D> {
                 .max(f64::MIN_POSITIVE);
             let left: f64 = at.force.iter().map(|f| f.abs()).sum();
             if !left.is_finite() {
-                return Err(StepError::NotFinite {
-                    field: "force",
-                    point: 0,
-                    time: state.time,
-                });
+                return Err(not_finite::<D>(&at.force, state.time));
             }
             if left <= self.plan.tolerance * scale {
                 return Ok(());
@@ -393,12 +383,35 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 }
 
-/// Solver of flow alone: multigrid and direct solvers suit it as they suit the whole, Schur
-/// complements do not.
+/// Forces out of balance of an answer under the pressure of a state.
+fn weigh_forces<const D: usize>(
+    model: &Model<D>,
+    state: &State,
+    answer: Answer<D>,
+) -> Result<Trial<D>, StepError> {
+    let mut force = model.push(state.time, &state.pressure);
+    let scale = force.iter().map(|f| f.abs()).sum();
+    solid_of(model)?.subtract_answer(&answer, &mut force);
+    Ok(Trial {
+        answer,
+        force,
+        scale,
+    })
+}
+
+/// Solver of flow alone: the one of the whole, unless its preconditioner is for both fields only.
 fn part_of(spec: &SolverSpec) -> Result<SolverSpec, StepError> {
-    Ok(match spec.to_string().contains("schur") {
-        true => "auto".parse::<SolverSpec>()?,
-        false => spec.clone(),
+    let chosen = spec
+        .options()
+        .iter()
+        .find(|(key, _)| key == "preconditioner");
+    let info = PRECONDITIONERS
+        .iter()
+        .find(|info| chosen.is_some_and(|(_, name)| name == info.name));
+    let suits = |info: &PreconditionerInfo| info.symmetries.contains(&Symmetry::PositiveDefinite);
+    Ok(match info.is_none_or(suits) {
+        true => spec.clone(),
+        false => "auto".parse::<SolverSpec>()?,
     })
 }
 
@@ -434,6 +447,9 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     }
 
     fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+        if !coupling_of(model)?.undrained_start {
+            return Ok(());
+        }
         let old = state.clone();
         self.solve(model, &old, 0.0, state, &mut StepReport::default())?;
         advance(model, state);
@@ -462,9 +478,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         let mut imbalance = vec![0.0; flow.points()];
         flow.imbalance(trial.time, &trial.pressure, &mut imbalance);
         let taken = taken(model, old, trial)?;
-        let mut flows = flow.flows(&trial.pressure, trial.time);
-        flows.fixed = flow.fixed_inflow(&imbalance);
-        report.flows.add(dt, &flows);
+        report.flows = weigh(flow, &[(dt, &trial.pressure, trial.time, &imbalance)]);
         report.flows.fixed += flow
             .fixed
             .iter()

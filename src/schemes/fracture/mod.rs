@@ -12,9 +12,9 @@ mod descent;
 mod flow;
 mod tangents;
 
-use perifrac_solvers::{Coordinates, Demand, LinearSolver, NearNullspace, Problem, Symmetry, dot};
+use perifrac_solvers::{Demand, LinearSolver, Problem, dot};
 
-use super::solid::{Chosen, build_solver};
+use super::solid::{Chosen, build_solver, mechanics_problem};
 use super::{SchemeCounters, SolidSolver, State, StepError, solid_of};
 use crate::material::Softening;
 use crate::model::{Model, SolidModel};
@@ -84,15 +84,9 @@ impl<const D: usize> Fracture<D> {
         }
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
-            solves: demand.solves,
             // Cracks leave next to nothing of the stiffness.
             contrast: 1.0 / plan.residual_stiffness,
-            coordinates: Some(Coordinates {
-                dimension: D,
-                values: &coordinates,
-            }),
-            near_nullspace: NearNullspace::RigidModes,
-            ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
+            ..mechanics_problem(solid, &coordinates, demand.solves)
         };
         let (solver, chosen) = build_solver(&demand.spec, &problem)?;
         Ok(Fracture {
@@ -109,18 +103,23 @@ impl<const D: usize> Fracture<D> {
         })
     }
 
-    fn evaluate(&self, solid: &SolidModel<D>, state: &State, external: &[f64]) -> Trial<D> {
-        let damage = damage_of(solid);
+    fn evaluate(
+        &self,
+        solid: &SolidModel<D>,
+        state: &State,
+        external: &[f64],
+    ) -> Result<Trial<D>, StepError> {
+        let damage = damage_of(solid)?;
         let difference =
             |owner, bond| solid.difference(&state.displacement, &state.walls, owner, bond);
         let answer = damage.answer(&solid.elastic, &state.history, difference);
         let mut force = external.to_vec();
         solid.subtract_answer(&answer, &mut force);
-        Trial {
+        Ok(Trial {
             work: dot(external, &state.displacement),
             answer,
             force,
-        }
+        })
     }
 
     /// Scale of the forces, N.
@@ -162,8 +161,8 @@ impl<const D: usize> Fracture<D> {
             return Ok(0);
         }
         let after = std::mem::replace(&mut state.walls, before);
-        let here = self.evaluate(solid, state, external);
-        self.bring(solid, state, &here, Softening::Bounded);
+        let here = self.evaluate(solid, state, external)?;
+        self.bring(solid, state, &here, Softening::Bounded)?;
         let push = self.tangent.wall_push(solid, &moves);
         let force: Vec<f64> = here.force.iter().zip(&push).map(|(f, p)| f - p).collect();
         let (change, iterations) = self.solve(&force)?;
@@ -176,12 +175,19 @@ impl<const D: usize> Fracture<D> {
         Ok(iterations)
     }
 
-    fn bring(&mut self, solid: &SolidModel<D>, state: &State, at: &Trial<D>, softening: Softening) {
-        let damage = damage_of(solid);
+    fn bring(
+        &mut self,
+        solid: &SolidModel<D>,
+        state: &State,
+        at: &Trial<D>,
+        softening: Softening,
+    ) -> Result<(), StepError> {
+        let damage = damage_of(solid)?;
         let moved = self
             .tangent
             .update(solid, damage, &state.history, &at.answer, softening);
         self.fresh &= !moved;
+        Ok(())
     }
 
     /// Tangent to try at a relative imbalance of forces.
@@ -205,7 +211,7 @@ impl<const D: usize> Fracture<D> {
     ) -> Result<(Vec<f64>, usize), StepError> {
         let softening = self.softening(imbalance);
         if softening == Softening::Exact {
-            self.bring(solid, state, at, softening);
+            self.bring(solid, state, at, softening)?;
             if let Ok((change, iterations)) = self.solve(&at.force)
                 && dot(&change, &at.force) > 0.0
             {
@@ -214,10 +220,10 @@ impl<const D: usize> Fracture<D> {
             self.fallbacks += 1;
             self.rest = REST;
             self.fresh = false;
-            self.bring(solid, state, at, Softening::Bounded);
+            self.bring(solid, state, at, Softening::Bounded)?;
             return self.solve(&at.force);
         }
-        self.bring(solid, state, at, softening);
+        self.bring(solid, state, at, softening)?;
         self.solve(&at.force)
     }
 
@@ -242,7 +248,7 @@ impl<const D: usize> Fracture<D> {
         let mut searches = 0;
         let reached = descend(dot(&at.force, change), rounding, |length| {
             place(state, length);
-            let found = self.evaluate(solid, state, external);
+            let found = self.evaluate(solid, state, external)?;
             searches += 1;
             Ok(Reached {
                 length,
@@ -260,11 +266,21 @@ impl<const D: usize> Fracture<D> {
     }
 }
 
-/// The damage of a solid that this solver was built for.
-fn damage_of<const D: usize>(solid: &SolidModel<D>) -> &Damage<D> {
-    match &solid.damage {
-        Some(damage) => damage,
-        None => unreachable!("built for a solid with damage"),
+/// The damage of a solid that breaks.
+fn damage_of<const D: usize>(solid: &SolidModel<D>) -> Result<&Damage<D>, StepError> {
+    solid
+        .damage
+        .as_ref()
+        .ok_or(StepError::Missing { part: "[damage]" })
+}
+
+/// Place of the first force that is no number, as an error.
+fn not_finite<const D: usize>(force: &[f64], time: f64) -> StepError {
+    let first = force.iter().position(|force| !force.is_finite());
+    StepError::NotFinite {
+        field: "force",
+        point: first.unwrap_or(0) / D,
+        time,
     }
 }
 
@@ -281,18 +297,14 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
         let solid = solid_of(model)?;
         let external = model.push(state.time, &state.pressure);
         let mut iterations = self.predict(solid, state, &external)?;
-        let mut at = self.evaluate(solid, state, &external);
+        let mut at = self.evaluate(solid, state, &external)?;
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
             let scale = self.scale(solid, &external, &at.answer);
             let sum: f64 = at.force.iter().map(|f| f.abs()).sum();
             let imbalance = if scale > 0.0 { sum / scale } else { sum };
             if !imbalance.is_finite() {
-                return Err(StepError::NotFinite {
-                    field: "force",
-                    point: at.force.iter().position(|f| !f.is_finite()).unwrap_or(0) / D,
-                    time: state.time,
-                });
+                return Err(not_finite::<D>(&at.force, state.time));
             }
             if sum <= self.plan.tolerance * scale {
                 return Ok(iterations);
@@ -339,3 +351,6 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
         Some(self.chosen.clone())
     }
 }
+
+#[cfg(test)]
+mod tests;

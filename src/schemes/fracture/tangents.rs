@@ -9,7 +9,7 @@ use crate::model::SolidModel;
 use crate::operators::{Answer, Damage, Elastic};
 
 /// Change of a tangent, relative to the intact moduli, below which its rows are kept.
-const KEPT: f64 = 1e-3;
+pub const KEPT: f64 = 1e-3;
 
 /// Change of the weakest modulus, relative to itself, above which they are not.
 const STALE: f64 = 0.1;
@@ -25,7 +25,6 @@ pub struct TangentMatrix<const D: usize> {
     pub kept: f64,
     /// Families refilled so far.
     pub refilled: u64,
-    filled: bool,
 }
 
 struct Damaged<'a, const D: usize> {
@@ -58,7 +57,6 @@ impl<const D: usize> TangentMatrix<D> {
             integrity: vec![1.0; solid.elastic.points()],
             kept: KEPT,
             refilled: 0,
-            filled: true,
         }
     }
 
@@ -82,7 +80,7 @@ impl<const D: usize> TangentMatrix<D> {
         };
         let changed: Vec<bool> = (0..next.len()).map(moved).collect();
         let count = changed.iter().filter(|changed| **changed).count();
-        if count == 0 && self.filled {
+        if count == 0 {
             return false;
         }
         for i in (0..next.len()).filter(|i| changed[*i]) {
@@ -102,7 +100,6 @@ impl<const D: usize> TangentMatrix<D> {
             self.matrix.data_mut(),
         );
         self.refilled += count as u64;
-        self.filled = true;
         true
     }
 
