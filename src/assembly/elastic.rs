@@ -22,6 +22,11 @@ pub trait Moduli<const D: usize>: Sync {
     fn hourglass(&self, _owner: usize) -> f64 {
         1.0
     }
+
+    /// A coefficient q in 1/J and a force f per bond of a family in N: q f fᵀ is added to its stiffness.
+    fn drive(&self, _owner: usize) -> Option<(f64, &[Vector<D>])> {
+        None
+    }
 }
 
 /// Isotropic elasticity.
@@ -108,6 +113,8 @@ struct Share<const D: usize> {
     strain: Vector<D>,
     /// Weight in the plain gradient, times the shape tensor and h.
     hourglass: Vector<D>,
+    /// Force in the outer product, N.
+    drive: Vector<D>,
     sign: Vector<D>,
 }
 
@@ -126,10 +133,14 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
             self.stretch(point, bond, elastic.signs(bond), own, Vector::repeat(-1.0));
         }
         let sign = Vector::repeat(1.0);
+        let drive = self.moduli.drive(point);
         self.couple(&Share {
             owner: point,
             strain,
             hourglass,
+            drive: drive.map_or_else(Vector::zeros, |(_, forces)| {
+                -forces.iter().sum::<Vector<D>>()
+            }),
             sign,
         });
     }
@@ -141,10 +152,13 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
         let own = stiffness * elastic.around.measure[bond];
         let sign = elastic.signs(bond);
         self.stretch(owner, bond, sign, own, sign);
+        let first = elastic.around.families.family(owner).start;
+        let drive = self.moduli.drive(owner);
         self.couple(&Share {
             owner,
             strain: elastic.gradient.weight[bond],
             hourglass: elastic.around.bond_vector(owner, bond) * own,
+            drive: drive.map_or_else(Vector::zeros, |(_, forces)| forces[bond - first]),
             sign,
         });
     }
@@ -173,15 +187,20 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
         let families = &elastic.around.families;
         let stresses = self.moduli.stresses(share.owner, &share.strain);
         let (plain, _) = elastic.hourglass(share.owner);
+        let drive = self.moduli.drive(share.owner);
         let mut own = [[0.0; D]; D];
-        for bond in families.family(share.owner) {
+        for (k, bond) in families.family(share.owner).enumerate() {
             let weight = &elastic.gradient.weight[bond];
+            let softened = drive.map(|(factor, forces)| forces[k] * factor);
             let rest = share.hourglass.dot(&plain.weight[bond]);
             let place = self.place[families.neighbour(bond)] as usize;
             let sign = elastic.signs(bond);
             for a in 0..D {
                 let row = &mut self.values[a * self.width + place * D..][..D];
-                let traction = stresses[a] * weight;
+                let mut traction = stresses[a] * weight;
+                if let Some(softened) = &softened {
+                    traction += softened * share.drive[a];
+                }
                 for b in 0..D {
                     let mut entry = traction[b];
                     if a == b {

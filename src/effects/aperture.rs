@@ -9,51 +9,68 @@ use crate::material::eigen;
 use crate::operators::{Answer, Elastic};
 use crate::plan::ApertureRule;
 
-/// Cosine below which a bond runs along the crack rather than across it.
-const ACROSS: f64 = 0.5;
-/// Share of the largest opening from which a bond counts as one that crosses the crack.
-const CROSSING: f64 = 0.5;
+/// Cosine up to which a bond runs along the crack, and from which it counts in full as one across it.
+const ACROSS: [f64; 2] = [0.5, 0.7];
+/// The same of an opening relative to the largest: bonds that do not cross the crack hardly open.
+const CROSSING: [f64; 2] = [0.25, 0.75];
 
-/// Opening at a broken point, m; 0 where nothing opens. `broken(j)` tells whether a neighbour is.
+/// Opening at a broken point, m; 0 where nothing opens. `share(j)` tells how far a neighbour is
+/// broken, 0 to 1.
+///
+/// Every criterion is a ramp: with a jump, flow and fracture would have no common state where a bond
+/// counts for one opening and not for the other.
 pub fn aperture<const D: usize>(
     rule: ApertureRule,
     elastic: &Elastic<D>,
     answer: &Answer<D>,
     point: usize,
     difference: impl Fn(usize) -> Vector<D>,
-    broken: impl Fn(usize) -> bool,
+    share: impl Fn(usize) -> f64,
 ) -> f64 {
     let around = &elastic.around;
     let family = around.families.family(point);
-    let across = family.filter(|bond| broken(around.families.neighbour(*bond)));
+    let weighted = family.map(|bond| (bond, share(around.families.neighbour(bond))));
+    let broken = weighted.filter(|(_, share)| *share > 0.0);
     match rule {
         ApertureRule::Mean => {
             let opening =
                 |bond: usize| difference(bond).dot(&around.bond_vector(point, bond).normalize());
-            mean(across.map(opening), 0.0)
+            let all = broken.map(|(bond, share)| (opening(bond), share));
+            mean(all.filter(|(opening, _)| *opening >= 0.0))
         }
         ApertureRule::Normal => {
             let (values, axes) = eigen(&answer.strain[point]);
             let normal: Vector<D> = axes.column(values.imax()).into_owned();
-            let opening = |bond: usize| {
+            let opening = |(bond, share): (usize, f64)| {
                 let direction = around.bond_vector(point, bond).normalize();
                 let cosine = direction.dot(&normal).abs();
-                (cosine >= ACROSS).then(|| difference(bond).dot(&direction) / cosine)
+                let weight = share * ramp(cosine, ACROSS);
+                (weight > 0.0).then(|| (difference(bond).dot(&direction) / cosine, weight))
             };
-            let openings: Vec<f64> = across.filter_map(opening).collect();
-            let largest = openings.iter().copied().fold(0.0, f64::max);
-            mean(openings.into_iter(), CROSSING * largest)
+            let openings: Vec<(f64, f64)> = broken.filter_map(opening).collect();
+            let largest = openings
+                .iter()
+                .map(|(opening, weight)| opening * weight)
+                .fold(0.0, f64::max);
+            if largest <= 0.0 {
+                return 0.0;
+            }
+            let crossing = |(opening, weight): &(f64, f64)| {
+                (*opening, weight * ramp(opening / largest, CROSSING))
+            };
+            mean(openings.iter().map(crossing))
         }
     }
 }
 
-/// Mean of what is at least `least` and not negative; 0 without any.
-fn mean(openings: impl Iterator<Item = f64>, least: f64) -> f64 {
-    let open = openings.filter(|opening| *opening >= least.max(0.0));
-    let (sum, count) = open.fold((0.0, 0), |(sum, count), opening| (sum + opening, count + 1));
-    if count == 0 {
-        0.0
-    } else {
-        sum / f64::from(count)
-    }
+/// From 0 to 1 between two bounds.
+fn ramp(value: f64, [low, high]: [f64; 2]) -> f64 {
+    ((value - low) / (high - low)).clamp(0.0, 1.0)
+}
+
+/// Mean of openings with their weights; 0 without any.
+fn mean(openings: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let sum = |(sum, weights), (opening, weight)| (sum + weight * opening, weights + weight);
+    let (sum, weights) = openings.fold((0.0, 0.0), sum);
+    if weights > 0.0 { sum / weights } else { 0.0 }
 }

@@ -85,7 +85,8 @@ impl FractureFlow {
         walls: &[f64],
     ) {
         let this = &*self;
-        let broken = |i: usize| this.share(answer.damage[i]) > 0.0;
+        let share = |i: usize| this.share(answer.damage[i]);
+        let broken = |i: usize| share(i) > 0.0;
         let at = |i: usize| match broken(i) {
             false => 0.0,
             true => {
@@ -96,7 +97,7 @@ impl FractureFlow {
                     answer,
                     i,
                     difference,
-                    broken,
+                    share,
                 )
             }
         };

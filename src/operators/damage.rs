@@ -148,6 +148,29 @@ impl<const D: usize> Damage<D> {
         answer.strain.par_iter().enumerate().map(at).collect()
     }
 
+    /// Derivative of the driving energy of a family, J, by its bond differences, m, into `drive`, which
+    /// has one vector per bond of the family, N.
+    pub fn drive(
+        &self,
+        elastic: &Elastic<D>,
+        answer: &Answer<D>,
+        owner: usize,
+        drive: &mut [Vector<D>],
+    ) {
+        let parts = self.law.parts(elastic.lame[owner], &answer.strain[owner]);
+        let volume = elastic.around.cloud.volume[owner];
+        let (breaking, lasting) = (parts.breaking * volume, parts.lasting * volume);
+        let left = self.law.degradation(answer.damage[owner]);
+        let family = elastic.around.families.family(owner);
+        for (bond, drive) in family.zip(drive) {
+            let weight = &elastic.gradient.weight[bond];
+            *drive = match self.law.hourglass {
+                HourglassRule::Variational => (answer.forces[bond] - lasting * weight) / left,
+                HourglassRule::Linear => breaking * weight,
+            };
+        }
+    }
+
     /// Raises `history` (J/m³, shape `(n,)`) to what an answer drove.
     pub fn advance(&self, driving: &[f64], history: &mut [f64]) {
         for (history, driving) in history.iter_mut().zip(driving) {

@@ -97,36 +97,38 @@ impl Mixer {
     fn anderson(&self, weight: &[f64]) -> Guess {
         let count = self.past.len();
         let residuals: Vec<Vec<f64>> = (0..count).map(|k| self.residual(k)).collect();
-        // Differences to the newest keep the sum of the shares at one.
-        let newest = &residuals[count - 1];
-        let differences: Vec<Vec<f64>> = residuals[..count - 1]
-            .iter()
-            .map(|r| newest.iter().zip(r).map(|(n, r)| n - r).collect())
-            .collect();
-        let size = differences.len();
-        let gram = DMatrix::from_fn(size, size, |k, l| {
-            inner(weight, &differences[k], &differences[l])
-        });
-        let rhs = DVector::from_fn(size, |k, _| inner(weight, &differences[k], newest));
-        let scale = gram.diagonal().max();
-        let shares = match size > 0 && scale > 0.0 {
-            true => (gram / scale)
-                .svd(true, true)
-                .solve(&(rhs / scale), 1e-12)
-                .ok(),
-            false => None,
-        };
-        let shares: Vec<f64> =
-            shares.map_or_else(|| vec![0.0; size], |s| s.iter().copied().collect());
-        let own = 1.0 - shares.iter().sum::<f64>();
+        let shares = smallest(&residuals, |a, b| inner(weight, a, b));
         let terms: Vec<(f64, &Guess)> = shares
             .into_iter()
-            .chain([own])
             .zip(&self.past)
             .map(|(share, (_, found))| (share, found))
             .collect();
         mix(&terms)
     }
+}
+
+/// Shares, with sum one, of the combination of `residuals` that is smallest in the norm of `inner`.
+pub fn smallest(residuals: &[Vec<f64>], inner: impl Fn(&[f64], &[f64]) -> f64) -> Vec<f64> {
+    let Some((newest, older)) = residuals.split_last() else {
+        return Vec::new();
+    };
+    // Differences to the newest keep the sum of the shares at one.
+    let difference = |r: &Vec<f64>| newest.iter().zip(r).map(|(n, r)| n - r).collect();
+    let differences: Vec<Vec<f64>> = older.iter().map(difference).collect();
+    let size = differences.len();
+    let gram = DMatrix::from_fn(size, size, |k, l| inner(&differences[k], &differences[l]));
+    let rhs = DVector::from_fn(size, |k, _| inner(&differences[k], newest));
+    let scale = if size > 0 { gram.diagonal().max() } else { 0.0 };
+    let solved = match scale > 0.0 {
+        true => (gram / scale)
+            .svd(true, true)
+            .solve(&(rhs / scale), 1e-12)
+            .ok(),
+        false => None,
+    };
+    let mut shares = solved.map_or_else(|| vec![0.0; size], |s| s.iter().copied().collect());
+    shares.push(1.0 - shares.iter().sum::<f64>());
+    shares
 }
 
 fn inner(weight: &[f64], a: &[f64], b: &[f64]) -> f64 {

@@ -54,6 +54,14 @@ impl<const D: usize> Tangent<D> {
             + self.direction * (self.softening * self.direction.dot(strain))
     }
 
+    /// The tangent at fixed damage.
+    pub fn firm(self) -> Self {
+        Tangent {
+            softening: 0.0,
+            ..self
+        }
+    }
+
     /// Stresses of the strains that a displacement along each axis causes where `weight` (1/m) is its
     /// weight in the gradient, Pa/m.
     pub fn stresses(&self, weight: &Vector<D>, scale: f64) -> [Matrix<D>; D] {
@@ -85,7 +93,7 @@ impl<const D: usize> Tangent<D> {
 
 impl<const D: usize> DamageLaw<D> {
     /// Tangent at `strain` of a point with the driving energy `driving` that has seen `history`, both in
-    /// J/m³. What hourglass energy adds to the softening is left out.
+    /// J/m³. Hourglass energy in the driving one softens too, but not by stress.
     pub fn tangent(
         &self,
         lame: Lame,
@@ -112,6 +120,8 @@ impl<const D: usize> DamageLaw<D> {
             let size = parts.breaking.norm_squared() / (2.0 * lame.mu);
             let pure = self.prestress.norm_squared() <= 0.0;
             let size = if pure { 2.0 * parts.driving } else { size };
+            // The same of hourglass energy, a square too.
+            let size = size + 2.0 * (driving - parts.driving).max(0.0);
             let bound = BOUND * left / size.max(f64::MIN_POSITIVE);
             tangent.direction = parts.breaking;
             tangent.softening = match softening {

@@ -18,14 +18,17 @@ use perifrac_solvers::{
     SolverSpec, Symmetry, dot, multiply,
 };
 
+use super::acceleration::Acceleration;
 use super::block::FractureBlock;
+use super::daring::Daring;
 use super::descent::{Reached, descend};
 use super::tangents::TangentMatrix;
+use super::upkeep::Upkeep;
 use super::{damage_of, not_finite};
 use crate::material::Softening;
 use crate::model::Model;
 use crate::operators::Answer;
-use crate::plan::{DamageMethod, DamagePlan, Plan, SchemeChoice};
+use crate::plan::{DamagePlan, Plan, SchemeChoice};
 use crate::schemes::implicit::weigh;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio};
@@ -49,17 +52,27 @@ pub struct FractureFlowStep<const D: usize> {
     largest: f64,
     /// Velocity of the last trial and of the last accepted step, m/s: where the next one starts.
     rates: [Vec<f64>; 2],
+    /// Residual of the linear systems: smaller where passes turn out to suffer from it.
+    forcing: f64,
+    upkeep: Upkeep,
+    acceleration: Acceleration,
+    daring: Daring,
     passes: u64,
     searches: u64,
     products: u64,
 }
 
-/// Residual of the coupled linear systems. A crack that is full answers to a wrong volume with a
-/// pressure that is wrong by the ratio of its compliance to that of the fluid.
-const FORCING: f64 = 1e-6;
+/// Residual of the coupled linear systems at first, and the smallest. A crack that is full answers to
+/// a wrong volume with a pressure that is wrong by the ratio of its compliance to that of the fluid.
+const FORCING: f64 = 1e-4;
+const LEAST_FORCING: f64 = 1e-8;
 /// The same of the displacement alone, relative to the forces out of balance.
 const FORCING_ALONE: f64 = 1e-3;
 const REMEMBERED: f64 = 1e-2;
+/// Forces out of balance, relative to all, from which passes are taken to contract.
+const NEAR: f64 = 3e-2;
+/// Share of the imbalance before a pass that may be left by it before something is amiss.
+const SLOW: f64 = 0.7;
 /// Change of the potential, relative to the energy, that is rounding error.
 const ROUNDING: f64 = 1e-13;
 
@@ -158,6 +171,10 @@ impl<const D: usize> FractureFlowStep<D> {
             plan: damage,
             largest: 0.0,
             rates: [Vec::new(), Vec::new()],
+            forcing: FORCING,
+            upkeep: Upkeep::default(),
+            acceleration: Acceleration::default(),
+            daring: Daring::new(damage.method),
             passes: 0,
             searches: 0,
             products: 0,
@@ -216,21 +233,18 @@ impl<const D: usize> FractureFlowStep<D> {
         Ok(iterations)
     }
 
-    /// Direction in which the potential falls; the pressure is balanced at its start.
-    fn direction(
+    /// Solution of the linear system at a trial whose pressure is balanced.
+    fn solution(
         &mut self,
         model: &Model<D>,
         state: &State,
         at: &Trial<D>,
         dt: f64,
+        softening: Softening,
         report: &mut StepReport,
     ) -> Result<Way, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let damage = damage_of(solid)?;
-        let softening = match self.plan.method {
-            DamageMethod::Alternate => Softening::Fixed,
-            _ => Softening::Bounded,
-        };
         self.tangent
             .update(solid, damage, &state.history, &at.answer, softening);
         let Some(block) = &mut self.block else {
@@ -251,17 +265,19 @@ impl<const D: usize> FractureFlowStep<D> {
         let stiffness = self.tangent.matrix.data();
         block.fill(stiffness, solid, flow, coupling, dt);
         let matrix = block.matrix.view();
-        self.solver.refresh(matrix)?;
+        if self.upkeep.is_due() {
+            self.solver.refresh(matrix)?;
+            self.upkeep.renew();
+        }
         let (width, scale) = (D + 1, block.layout.scale);
         let mut rhs = vec![0.0; block.matrix.rows()];
         for (point, force) in at.force.chunks(D).enumerate() {
             rhs[point * width..][..D].copy_from_slice(force);
         }
         let mut x = vec![0.0; rhs.len()];
-        report.iterations += self
-            .solver
-            .solve_to(matrix, &rhs, &mut x, FORCING)?
-            .iterations;
+        let solved = self.solver.solve_to(matrix, &rhs, &mut x, self.forcing)?;
+        self.upkeep.took(solved.iterations);
+        report.iterations += solved.iterations;
         let points = state.pressure.len();
         let displacement = (0..points)
             .flat_map(|i| x[i * width..][..D].to_vec())
@@ -286,6 +302,32 @@ impl<const D: usize> FractureFlowStep<D> {
         })
     }
 
+    /// Direction in which the potential falls, with its tangent.
+    fn direction(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+        at: &Trial<D>,
+        dt: f64,
+        imbalance: f64,
+        report: &mut StepReport,
+    ) -> Result<(Way, Softening), StepError> {
+        let softening = self.daring.next(imbalance);
+        let solved = self.solution(model, state, at, dt, softening, report);
+        if softening != Softening::Exact {
+            return Ok((solved?, softening));
+        }
+        if let Ok(way) = solved
+            && dot(&at.force, &way.displacement) > 0.0
+        {
+            return Ok((way, softening));
+        }
+        self.daring.failed();
+        self.upkeep.renew();
+        let way = self.solution(model, state, at, dt, Softening::Bounded, report)?;
+        Ok((way, Softening::Bounded))
+    }
+
     /// Walks along a way until the potential has fallen enough; `None` if it does not.
     fn search(
         &mut self,
@@ -293,7 +335,7 @@ impl<const D: usize> FractureFlowStep<D> {
         state: &mut State,
         at: &Trial<D>,
         way: &Way,
-    ) -> Result<Option<Trial<D>>, StepError> {
+    ) -> Result<Option<Reached<Trial<D>>>, StepError> {
         let external = self.external(model, state);
         let (start, balanced) = (state.displacement.clone(), state.pressure.clone());
         let place = |state: &mut State, length: f64| {
@@ -319,11 +361,18 @@ impl<const D: usize> FractureFlowStep<D> {
                 found,
             })
         })?;
+        if std::env::var("PF_TRACE").is_ok() {
+            eprintln!(
+                "    length {:?} slope {slope:.2e} searches {}",
+                reached.as_ref().map(|r| r.length),
+                self.searches
+            );
+        }
         place(
             state,
             reached.as_ref().map_or(0.0, |reached| reached.length),
         );
-        Ok(reached.map(|reached| reached.found))
+        Ok(reached)
     }
 
     /// Loads, and the push of pressures that do not change along a way.
@@ -332,6 +381,28 @@ impl<const D: usize> FractureFlowStep<D> {
         let prescribed = |i: usize| if still(i) { state.pressure[i] } else { 0.0 };
         let pressure: Vec<f64> = (0..state.pressure.len()).map(prescribed).collect();
         model.push(state.time, &pressure)
+    }
+
+    /// Goes on from a pass that led from `start` to the state; false if it stays there. The coefficients
+    /// of flow lag behind, so near the end passes contract linearly, and the energy says nothing of it.
+    fn accelerate(
+        &mut self,
+        start: Vec<f64>,
+        state: &mut State,
+        length: f64,
+        imbalance: f64,
+    ) -> bool {
+        // A shortened or stretched pass is no pass of the same map.
+        if imbalance > NEAR || (length - 1.0).abs() > 0.0 {
+            self.acceleration.forget();
+            return false;
+        }
+        let next = self.acceleration.next(start, &state.displacement);
+        let goes_on = next.is_some();
+        if let Some(next) = next {
+            state.displacement = next;
+        }
+        goes_on
     }
 
     /// Passes until forces balance.
@@ -345,7 +416,9 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut found = self.evaluate(model, state)?;
-        let mut best = f64::INFINITY;
+        let (mut best, mut before) = (f64::INFINITY, f64::INFINITY);
+        self.acceleration.forget();
+        self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
             model.follow_fractures(&found.answer, &state.displacement, &state.walls);
             report.iterations += self.balance(model, old, state, dt)?;
@@ -357,22 +430,53 @@ impl<const D: usize> FractureFlowStep<D> {
                 .max(REMEMBERED * self.largest)
                 .max(f64::MIN_POSITIVE);
             let left: f64 = at.force.iter().map(|f| f.abs()).sum();
+            if std::env::var("PF_TRACE").is_ok() {
+                eprintln!(
+                    "t={:.5} dt={dt:.2e} pass {pass} left {:.2e} it {} broken {} pmax {:.4e} {:?}",
+                    state.time,
+                    left / scale,
+                    report.iterations,
+                    at.answer.damage.iter().filter(|d| **d > 0.9).count(),
+                    state.pressure.iter().fold(0.0f64, |a, b| a.max(*b)),
+                    std::time::SystemTime::now()
+                        .duration_since(std::time::UNIX_EPOCH)
+                        .unwrap_or_default()
+                        .as_millis()
+                        % 1000000
+                );
+            }
             if !left.is_finite() {
                 return Err(not_finite::<D>(&at.force, state.time));
             }
             if left <= self.plan.tolerance * scale {
                 return Ok(());
             }
-            best = best.min(left / scale);
+            let imbalance = left / scale;
+            best = best.min(imbalance);
             if pass == self.plan.iterations {
                 break;
             }
-            let way = self.direction(model, state, &at, dt, report)?;
-            self.passes += 1;
-            match self.search(model, state, &at, &way)? {
-                Some(next) => found = next,
-                None => break,
+            if imbalance > SLOW * before {
+                self.forcing = (0.1 * self.forcing).max(LEAST_FORCING);
+                self.acceleration.forget();
             }
+            before = imbalance;
+            let start = state.displacement.clone();
+            let (way, tried) = self.direction(model, state, &at, dt, imbalance, report)?;
+            self.passes += 1;
+            let Some(reached) = self.search(model, state, &at, &way)? else {
+                if tried != Softening::Exact {
+                    break;
+                }
+                // The exact tangent may have led astray; the others always lead down.
+                self.daring.failed();
+                found = at;
+                continue;
+            };
+            found = match self.accelerate(start, state, reached.length, imbalance) {
+                true => self.evaluate(model, state)?,
+                false => reached.found,
+            };
         }
         Err(StepError::NotBroken {
             time: state.time,
@@ -501,6 +605,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
             solver: self.solver.counters().clone(),
             coupling_iterations: self.passes,
             searches: self.searches,
+            fallbacks: self.daring.failures,
             refilled_families: self.tangent.refilled,
             ..SchemeCounters::default()
         }

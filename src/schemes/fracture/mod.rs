@@ -7,10 +7,13 @@
 //! positive it is faster, with all of it it is Newton's method, which the solver may refuse where the
 //! tangent is indefinite; then the next ones are tried.
 
+mod acceleration;
 mod block;
+mod daring;
 mod descent;
 mod flow;
 mod tangents;
+mod upkeep;
 
 use perifrac_solvers::{Demand, LinearSolver, Problem, dot};
 
@@ -20,6 +23,7 @@ use crate::material::Softening;
 use crate::model::{Model, SolidModel};
 use crate::operators::{Answer, Damage};
 use crate::plan::{DamageMethod, DamagePlan};
+use daring::Daring;
 use descent::{Reached, descend};
 use tangents::TangentMatrix;
 
@@ -33,12 +37,10 @@ pub struct Fracture<const D: usize> {
     tangent: TangentMatrix<D>,
     /// Whether the solver knows the matrix as it is.
     fresh: bool,
-    /// Iterations for which Newton's tangent is not tried again.
-    rest: usize,
+    daring: Daring,
     /// Largest force on the solid so far, N: a scale once it is in two.
     largest: f64,
     newton: u64,
-    fallbacks: u64,
     searches: u64,
 }
 
@@ -46,10 +48,6 @@ pub struct Fracture<const D: usize> {
 const FORCING: f64 = 1e-3;
 /// Share of the largest force so far that still counts as a scale.
 const REMEMBERED: f64 = 1e-2;
-/// Forces out of balance, relative to all forces, from which Newton's tangent is tried.
-const NEAR: f64 = 3e-2;
-/// Iterations without it after it failed.
-const REST: usize = 4;
 /// Change of the potential, relative to it, that is rounding error.
 const ROUNDING: f64 = 1e-14;
 
@@ -95,10 +93,9 @@ impl<const D: usize> Fracture<D> {
             plan,
             tangent: TangentMatrix::new(solid),
             fresh: false,
-            rest: 0,
+            daring: Daring::new(plan.method),
             largest: 0.0,
             newton: 0,
-            fallbacks: 0,
             searches: 0,
         })
     }
@@ -190,41 +187,30 @@ impl<const D: usize> Fracture<D> {
         Ok(())
     }
 
-    /// Tangent to try at a relative imbalance of forces.
-    fn softening(&mut self, imbalance: f64) -> Softening {
-        self.rest = self.rest.saturating_sub(1);
-        match self.plan.method {
-            DamageMethod::Alternate => Softening::Fixed,
-            DamageMethod::Newton if self.rest == 0 => Softening::Exact,
-            DamageMethod::Auto if self.rest == 0 && imbalance < NEAR => Softening::Exact,
-            _ => Softening::Bounded,
-        }
-    }
-
-    /// Direction in which the potential falls, with the iterations it took.
+    /// Direction in which the potential falls, with the iterations it took and its tangent.
     fn direction(
         &mut self,
         solid: &SolidModel<D>,
         state: &State,
         at: &Trial<D>,
         imbalance: f64,
-    ) -> Result<(Vec<f64>, usize), StepError> {
-        let softening = self.softening(imbalance);
-        if softening == Softening::Exact {
-            self.bring(solid, state, at, softening)?;
-            if let Ok((change, iterations)) = self.solve(&at.force)
-                && dot(&change, &at.force) > 0.0
-            {
-                return Ok((change, iterations));
-            }
-            self.fallbacks += 1;
-            self.rest = REST;
-            self.fresh = false;
-            self.bring(solid, state, at, Softening::Bounded)?;
-            return self.solve(&at.force);
-        }
+    ) -> Result<(Vec<f64>, usize, Softening), StepError> {
+        let softening = self.daring.next(imbalance);
         self.bring(solid, state, at, softening)?;
-        self.solve(&at.force)
+        if softening != Softening::Exact {
+            let (change, iterations) = self.solve(&at.force)?;
+            return Ok((change, iterations, softening));
+        }
+        if let Ok((change, iterations)) = self.solve(&at.force)
+            && dot(&change, &at.force) > 0.0
+        {
+            return Ok((change, iterations, softening));
+        }
+        self.daring.failed();
+        self.fresh = false;
+        self.bring(solid, state, at, Softening::Bounded)?;
+        let (change, iterations) = self.solve(&at.force)?;
+        Ok((change, iterations, Softening::Bounded))
     }
 
     /// Walks along `change` until the potential has fallen enough; `None` if it does not.
@@ -313,14 +299,13 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
             if pass == self.plan.iterations {
                 break;
             }
-            let (change, inner) = self.direction(solid, state, &at, imbalance)?;
+            let (change, inner, tried) = self.direction(solid, state, &at, imbalance)?;
             iterations += inner;
             self.newton += 1;
-            let exact = self.rest == 0;
             match self.search(solid, state, &external, &at, &change)? {
                 Some(next) => at = next,
                 // The exact tangent may have led astray; the others always lead down.
-                None if exact && self.plan.method != DamageMethod::Alternate => self.rest = REST,
+                None if tried == Softening::Exact => self.daring.failed(),
                 None => break,
             }
         }
@@ -340,7 +325,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
         SchemeCounters {
             mechanics: Some(self.solver.counters().clone()),
             newton_iterations: self.newton,
-            fallbacks: self.fallbacks,
+            fallbacks: self.daring.failures,
             searches: self.searches,
             refilled_families: self.tangent.refilled,
             ..SchemeCounters::default()

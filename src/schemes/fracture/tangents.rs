@@ -21,6 +21,9 @@ pub struct TangentMatrix<const D: usize> {
     tangents: Vec<Tangent<D>>,
     /// Share of the hourglass stiffness that is left per point.
     integrity: Vec<f64>,
+    /// Derivative of the driving energy of families that soften by their bond differences, N, shape
+    /// `(bonds,)`.
+    drives: Vec<Vector<D>>,
     /// Change below which rows are kept; 0 refills all that changed at all.
     pub kept: f64,
     /// Families refilled so far.
@@ -31,11 +34,23 @@ struct Damaged<'a, const D: usize> {
     elastic: &'a Elastic<D>,
     tangents: &'a [Tangent<D>],
     integrity: &'a [f64],
+    drives: &'a [Vector<D>],
 }
 
 impl<const D: usize> Moduli<D> for Damaged<'_, D> {
     fn stresses(&self, owner: usize, weight: &Vector<D>) -> [Matrix<D>; D] {
-        self.tangents[owner].stresses(weight, self.elastic.around.cloud.volume[owner])
+        let volume = self.elastic.around.cloud.volume[owner];
+        self.tangents[owner].firm().stresses(weight, volume)
+    }
+
+    fn drive(&self, owner: usize) -> Option<(f64, &[Vector<D>])> {
+        let softening = self.tangents[owner].softening;
+        if softening >= 0.0 {
+            return None;
+        }
+        let around = &self.elastic.around;
+        let family = around.families.family(owner);
+        Some((softening / around.cloud.volume[owner], &self.drives[family]))
     }
 
     fn hourglass(&self, owner: usize) -> f64 {
@@ -55,6 +70,7 @@ impl<const D: usize> TangentMatrix<D> {
             matrix: solid.stiffness.clone(),
             tangents: tangents.collect(),
             integrity: vec![1.0; solid.elastic.points()],
+            drives: vec![Vector::zeros(); solid.elastic.around.families.bonds()],
             kept: KEPT,
             refilled: 0,
         }
@@ -86,11 +102,16 @@ impl<const D: usize> TangentMatrix<D> {
         for i in (0..next.len()).filter(|i| changed[*i]) {
             self.tangents[i] = next[i];
             self.integrity[i] = answer.hourglass[i];
+            if next[i].softening < 0.0 {
+                let family = elastic.around.families.family(i);
+                damage.drive(elastic, answer, i, &mut self.drives[family]);
+            }
         }
         let moduli = Damaged {
             elastic,
             tangents: &self.tangents,
             integrity: &self.integrity,
+            drives: &self.drives,
         };
         fill_rows(
             elastic,
@@ -106,10 +127,30 @@ impl<const D: usize> TangentMatrix<D> {
     /// Forces on the points where the walls move by `moves` (m) and the points do not, N.
     pub fn wall_push(&self, solid: &SolidModel<D>, moves: &[f64]) -> Vec<f64> {
         let still = vec![0.0; solid.unknowns()];
-        let forces = solid.elastic.bond_forces_of(
-            |owner, bond| solid.difference(&still, moves, owner, bond),
-            |owner, strain| (self.tangents[owner].stress(strain), self.integrity[owner]),
-        );
+        let moved = |owner, bond| solid.difference(&still, moves, owner, bond);
+        let mut forces = solid.elastic.bond_forces_of(moved, |owner, strain| {
+            (
+                self.tangents[owner].firm().stress(strain),
+                self.integrity[owner],
+            )
+        });
+        let moduli = Damaged {
+            elastic: &solid.elastic,
+            tangents: &self.tangents,
+            integrity: &self.integrity,
+            drives: &self.drives,
+        };
+        let families = &solid.elastic.around.families;
+        for owner in 0..families.len() {
+            let Some((factor, drive)) = moduli.drive(owner) else {
+                continue;
+            };
+            let pairs = families.family(owner).zip(drive);
+            let driven: f64 = pairs.map(|(bond, f)| f.dot(&moved(owner, bond))).sum();
+            for (bond, f) in families.family(owner).zip(drive) {
+                forces[bond] += f * (factor * driven);
+            }
+        }
         solid.elastic.gather(&forces)
     }
 }

@@ -44,3 +44,39 @@ fn the_full_refill_gives_the_same_field_with_more_work() {
     assert!(apart < 1e-5 * largest, "{apart} of {largest}");
     assert!(2 * few < many, "{few} {many}");
 }
+
+/// The exact tangent is the derivative of the force, hourglass energy in the driving one included.
+#[test]
+fn the_exact_tangent_is_the_derivative_of_the_force() {
+    let plan = plan();
+    let model = Model::<2>::build(&plan, &mut Timers::default()).unwrap();
+    let solid = model.solid.as_ref().unwrap();
+    let damage = solid.damage.as_ref().unwrap();
+    let mut state = State::initial(&model);
+    // Rough and large enough that damage is well under way.
+    let size = state.displacement.len();
+    for (k, u) in state.displacement.iter_mut().enumerate() {
+        *u = 4e-7 * (0.7 * k as f64).sin() + 2e-6 * (k / 40) as f64 / 20.0;
+    }
+    let answer_at = |u: &[f64]| solid.answer(u, &state.walls, &state.history).unwrap();
+    let force = |u: &[f64]| solid.elastic.gather(&answer_at(u).forces);
+    let answer = answer_at(&state.displacement);
+    assert!(answer.damage.iter().any(|s| *s > 0.2));
+    let mut tangent = TangentMatrix::new(solid);
+    tangent.kept = 0.0;
+    tangent.update(solid, damage, &state.history, &answer, Softening::Exact);
+    let direction: Vec<f64> = (0..size).map(|k| (1.3 * k as f64).cos()).collect();
+    let by = 1e-12;
+    let moved = |sign: f64| {
+        let pairs = state.displacement.iter().zip(&direction);
+        force(&pairs.map(|(u, d)| u + sign * by * d).collect::<Vec<f64>>())
+    };
+    let (ahead, back) = (moved(1.0), moved(-1.0));
+    let mut product = vec![0.0; size];
+    perifrac_solvers::multiply(tangent.matrix.view(), &direction, &mut product);
+    let largest = product.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    for (k, p) in product.iter().enumerate() {
+        let slope = (ahead[k] - back[k]) / (2.0 * by);
+        assert!((slope - p).abs() < 1e-4 * largest, "{k}: {slope} and {p}");
+    }
+}
