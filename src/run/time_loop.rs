@@ -333,7 +333,11 @@ impl<const D: usize> Run<'_, D> {
             self.warnings.push(message);
         }
         let first = time.first_step.unwrap_or(1e-4 * time.end);
-        StepControl::new(time, scheme.local_order(), first)
+        let control = StepControl::new(time, scheme.local_order(), first);
+        match self.plan.damage {
+            Some(_) => control.restless(),
+            None => control,
+        }
     }
 
     /// Range that the pressure will have, from one implicit step across the whole run: the scale of

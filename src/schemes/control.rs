@@ -10,6 +10,7 @@ pub struct StepControl {
     order: f64,
     max: f64,
     fixed: bool,
+    worthwhile: f64,
     previous: Option<f64>,
 }
 
@@ -35,6 +36,7 @@ impl StepControl {
             order,
             max,
             fixed,
+            worthwhile: WORTHWHILE,
             previous: None,
         }
     }
@@ -47,7 +49,16 @@ impl StepControl {
             order: 1.0,
             max: dt,
             fixed: true,
+            worthwhile: WORTHWHILE,
             previous: None,
+        }
+    }
+
+    /// The same where the matrix changes with every step, so that none is worth keeping for it.
+    pub fn restless(self) -> Self {
+        StepControl {
+            worthwhile: 1.0,
+            ..self
         }
     }
 
@@ -86,7 +97,7 @@ impl StepControl {
         let exponent = if self.previous.is_some() { 0.7 } else { 1.0 };
         let factor = CAUTION * scaled.powf(-exponent / self.order) * smooth;
         self.previous = Some(scaled);
-        if factor > WORTHWHILE {
+        if factor > self.worthwhile {
             self.dt = (self.dt * factor.min(MOST_GROWTH)).min(self.max);
         } else if factor < 1.0 {
             self.dt *= factor.max(0.5);
@@ -117,6 +128,7 @@ mod tests {
             order: 3.0,
             max: 100.0,
             fixed: false,
+            worthwhile: WORTHWHILE,
             previous: None,
         }
     }
@@ -127,6 +139,13 @@ mod tests {
         assert!(control.judge(Some(0.5e-4), 1.0));
         assert!((control.dt() - 1.0).abs() < 0.1 || control.dt() < 1.0);
         assert!(control.judge(Some(0.3e-4), control.dt()));
+    }
+
+    #[test]
+    fn where_no_matrix_is_kept_the_step_grows_by_little() {
+        let mut control = control().restless();
+        assert!(control.judge(Some(0.3e-4), 1.0));
+        assert!(control.dt() > 1.0 && control.dt() < WORTHWHILE);
     }
 
     #[test]
