@@ -1,15 +1,14 @@
 //! What breaks in a run: figures of every step, and those of the whole run.
 
-use std::f64::consts::PI;
-
 use serde::Serialize;
 
 use crate::geometry::Side;
-use crate::model::{Model, SolidModel, driven_walls};
-use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
+use crate::model::{Model, driven_walls};
+use crate::plan::{CrackPlan, MechanicsPlan, Plan};
 use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
+use super::crack_length::{grown, started};
 use super::time_loop::Run;
 
 /// Damage from which a point counts as broken.
@@ -70,45 +69,6 @@ impl Fractures {
             damage: now,
         })
     }
-}
-
-/// Length of the cracks that are there from the start, m; area of discs, m².
-fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
-    let of = |(crack, band): (&CrackPlan, &Vec<u32>)| match &crack.place {
-        CrackPlace::Chain(points) => points
-            .windows(2)
-            .map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]))
-            .sum(),
-        CrackPlace::Disc { .. } => {
-            let Some(solid) = &model.solid else {
-                return 0.0;
-            };
-            let around = &solid.elastic.around;
-            let share = |&i: &u32| {
-                around.cloud.volume[i as usize] / (2.0 * around.families.horizon[i as usize])
-            };
-            band.iter().map(share).sum::<f64>()
-        }
-    };
-    plan.cracks.iter().zip(&model.bands.points).map(of).sum()
-}
-
-/// Length of what broke, m (area in 3-D, m²): a crack of width w that runs through the horizon of a
-/// point has 2δw of its area there (πδ²w of the volume), so broken points tell the width themselves.
-fn grown<const D: usize>(solid: &SolidModel<D>, broken: impl Fn(usize) -> bool) -> f64 {
-    let around = &solid.elastic.around;
-    let (families, volume) = (&around.families, &around.cloud.volume);
-    let share = |i: usize| {
-        let ends = families.family(i).map(|bond| families.neighbour(bond));
-        let near: f64 = ends.filter(|end| broken(*end)).map(|end| volume[end]).sum();
-        let horizon = families.horizon[i];
-        let through = match D {
-            2 => 2.0 * horizon,
-            _ => PI * horizon * horizon,
-        };
-        volume[i] * through / (volume[i] + near)
-    };
-    (0..families.len()).filter(|i| broken(*i)).map(share).sum()
 }
 
 /// Headings of the figures in history.csv.

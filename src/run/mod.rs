@@ -1,6 +1,7 @@
 //! One run: build the model, step to the end, write what was asked for.
 
 mod columns;
+mod crack_length;
 mod error;
 mod finish;
 mod fracture;

@@ -72,6 +72,17 @@ pub enum StepError {
         /// Iterations done.
         iterations: usize,
     },
+    /// Damage grows too much in a step that may be cut.
+    #[error(
+        "damage grows by more than {most} within the step to t = {time:.6e} s, and the step cannot be cut \
+         further; raise damage.shortest_step, in which rock may break as it does"
+    )]
+    Runs {
+        /// Time, s.
+        time: f64,
+        /// Growth that is allowed.
+        most: f64,
+    },
     /// Relaxation ran out of iterations.
     #[error(
         "dynamic relaxation did not settle at t = {time:.6e} s: residual {residual:.1e} after \

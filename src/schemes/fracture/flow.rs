@@ -28,7 +28,7 @@ use super::{damage_of, not_finite};
 use crate::material::Softening;
 use crate::model::Model;
 use crate::operators::Answer;
-use crate::plan::{DamagePlan, Plan, SchemeChoice};
+use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::implicit::weigh;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio};
@@ -57,6 +57,8 @@ pub struct FractureFlowStep<const D: usize> {
     upkeep: Upkeep,
     acceleration: Acceleration,
     daring: Daring,
+    /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
+    cut_above: f64,
     passes: u64,
     searches: u64,
     products: u64,
@@ -73,6 +75,8 @@ const REMEMBERED: f64 = 1e-2;
 const NEAR: f64 = 3e-2;
 /// Share of the imbalance before a pass that may be left by it before something is amiss.
 const SLOW: f64 = 0.7;
+/// Growth of damage over the one that is allowed from which a step is given up at once.
+const HOPELESS: f64 = 2.5;
 /// Change of the potential, relative to the energy, that is rounding error.
 const ROUNDING: f64 = 1e-13;
 
@@ -175,6 +179,10 @@ impl<const D: usize> FractureFlowStep<D> {
             upkeep: Upkeep::default(),
             acceleration: Acceleration::default(),
             daring: Daring::new(damage.method),
+            cut_above: match plan.time.step {
+                StepRule::Fixed(_) => f64::INFINITY,
+                StepRule::Adaptive => damage.shortest_step,
+            },
             passes: 0,
             searches: 0,
             products: 0,
@@ -249,11 +257,15 @@ impl<const D: usize> FractureFlowStep<D> {
             .update(solid, damage, &state.history, &at.answer, softening);
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
-            self.solver.refresh(matrix)?;
+            if self.upkeep.is_due() {
+                self.solver.refresh(matrix)?;
+                self.upkeep.renew();
+            }
             let mut displacement = vec![0.0; at.force.len()];
             let solved =
                 self.solver
                     .solve_to(matrix, &at.force, &mut displacement, FORCING_ALONE)?;
+            self.upkeep.took(solved.iterations);
             report.iterations += solved.iterations;
             // The pressure stands still and is brought to the displacement in the next pass.
             return Ok(Way {
@@ -383,6 +395,15 @@ impl<const D: usize> FractureFlowStep<D> {
         model.push(state.time, &pressure)
     }
 
+    /// Whether so much has broken since `old` that the step will be rejected: a crack that runs takes many
+    /// passes, which are better spent on the step that keeps it.
+    fn runs(&self, model: &Model<D>, old: &State, at: &Trial<D>) -> Result<bool, StepError> {
+        let before = damage_of(solid_of(model)?)?.of(&old.history);
+        let pairs = at.answer.damage.iter().zip(&before);
+        let growth = pairs.map(|(now, before)| now - before).fold(0.0, f64::max);
+        Ok(growth > HOPELESS * self.plan.largest_increment)
+    }
+
     /// Goes on from a pass that led from `start` to the state; false if it stays there. The coefficients
     /// of flow lag behind, so near the end passes contract linearly, and the energy says nothing of it.
     fn accelerate(
@@ -450,6 +471,12 @@ impl<const D: usize> FractureFlowStep<D> {
             }
             if left <= self.plan.tolerance * scale {
                 return Ok(());
+            }
+            if dt > self.cut_above && self.runs(model, old, &at)? {
+                return Err(StepError::Runs {
+                    time: state.time,
+                    most: self.plan.largest_increment,
+                });
             }
             let imbalance = left / scale;
             best = best.min(imbalance);

@@ -1,0 +1,113 @@
+//! How long cracks are, measured from the points that broke.
+//!
+//! A crack is a band whose width w the rock chooses. Of the disc (ball in 3-D) that the horizon δ of a
+//! point in it sees, the band fills 2δw (πδ²w) where it is thin, less where it is wide, so that what is
+//! broken near broken points tells the width, and the width with the area of all of them the length.
+
+use std::f64::consts::PI;
+
+use crate::model::{Model, SolidModel};
+use crate::plan::{CrackPlace, CrackPlan, Plan};
+
+/// Length of the cracks that are there from the start, m; area of discs, m².
+pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
+    let of = |(crack, band): (&CrackPlan, &Vec<u32>)| match &crack.place {
+        CrackPlace::Chain(points) => points
+            .windows(2)
+            .map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]))
+            .sum(),
+        CrackPlace::Disc { .. } => {
+            let Some(solid) = &model.solid else {
+                return 0.0;
+            };
+            let around = &solid.elastic.around;
+            let share = |&i: &u32| {
+                around.cloud.volume[i as usize] / (2.0 * around.families.horizon[i as usize])
+            };
+            band.iter().map(share).sum::<f64>()
+        }
+    };
+    plan.cracks.iter().zip(&model.bands.points).map(of).sum()
+}
+
+/// Length of a crack through the points that are `broken`, m (area in 3-D, m²).
+pub fn grown<const D: usize>(solid: &SolidModel<D>, broken: impl Fn(usize) -> bool) -> f64 {
+    let around = &solid.elastic.around;
+    let (families, volume) = (&around.families, &around.cloud.volume);
+    let (mut thin, mut band) = (0.0, 0.0);
+    for i in (0..families.len()).filter(|i| broken(*i)) {
+        let ends = families.family(i).map(|bond| families.neighbour(bond));
+        let near: f64 = ends.filter(|end| broken(*end)).map(|end| volume[end]).sum();
+        let horizon = families.horizon[i];
+        let through = match D {
+            2 => 2.0 * horizon,
+            _ => PI * horizon * horizon,
+        };
+        thin += volume[i] * through / (volume[i] + near);
+        band += volume[i] / horizon;
+    }
+    length(D, thin, band)
+}
+
+/// Widest band that is told from the points near points, in units of the horizon.
+const WIDEST: f64 = 2.0;
+
+/// Length from `thin`, which it would be if the band were thin, and `band`, its length times its
+/// width over the horizon.
+fn length(dimension: usize, thin: f64, band: f64) -> f64 {
+    let mut length = thin;
+    for _ in 0..60 {
+        if length <= 0.0 {
+            return 0.0;
+        }
+        length = thin / excess(dimension, (band / length).min(WIDEST));
+    }
+    length
+}
+
+/// What a thin band would fill of the ball of radius 1 over what a band of `width` fills, on average over
+/// the points in it.
+fn excess(dimension: usize, width: f64) -> f64 {
+    let far = width.min(1.0);
+    let root = (1.0 - far * far).sqrt();
+    // ∫ (1 − t/w) times the section of the ball at a distance t, over both sides.
+    match dimension {
+        2 => {
+            let even = 0.5 * (far * root + far.asin());
+            let odd = (1.0 - root.powi(3)) / 3.0;
+            2.0 * width / (4.0 * (even - odd / width))
+        }
+        _ => {
+            let even = far - far.powi(3) / 3.0;
+            let odd = far * far / 2.0 - far.powi(4) / 4.0;
+            PI * width / (2.0 * PI * (even - odd / width))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thin_band_fills_its_width_and_a_wide_one_less() {
+        for dimension in [2, 3] {
+            assert!((excess(dimension, 1e-3) - 1.0).abs() < 1e-5);
+            assert!(excess(dimension, 1.0) > 1.05);
+        }
+        // Half of the disc less two thirds of a square: 4 / (π − 2/3).
+        assert!((excess(2, 2.0) - 4.0 / (PI - 2.0 / 3.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_length_comes_back_from_bands_of_any_width() {
+        for dimension in [2, 3] {
+            for width in [0.05, 0.5, 1.0, 1.5, 2.0] {
+                let thin = 3.0 * excess(dimension, width);
+                let found = length(dimension, thin, 3.0 * width);
+                assert!((found - 3.0).abs() < 1e-3, "{dimension} {width}: {found}");
+            }
+        }
+        assert!(length(2, 0.0, 0.0) <= 0.0);
+    }
+}
