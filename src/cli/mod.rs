@@ -10,6 +10,7 @@ mod progress;
 mod run;
 mod schema;
 mod solvers;
+mod study;
 
 use std::process::ExitCode;
 
@@ -37,6 +38,8 @@ enum Verb {
     Plan(plan::Args),
     /// Check a scene without running it
     Check(check::Args),
+    /// Run a case in many ways and report what accuracy costs and where schemes hold
+    Study(study::Args),
     /// List the bundled cases, or write one to a folder
     Cases(cases::Args),
     /// List the linear solvers and their options
@@ -56,6 +59,7 @@ pub fn main() -> ExitCode {
         Verb::Run(args) => run::run(&args),
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
+        Verb::Study(args) => study::run(&args),
         Verb::Cases(args) => cases::run(&args),
         Verb::Solvers(args) => solvers::run(&args),
         Verb::Schema => schema::run(),
