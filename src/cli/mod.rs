@@ -7,6 +7,7 @@ mod exit;
 mod plan;
 mod processes;
 mod progress;
+mod report;
 mod run;
 mod schema;
 mod solvers;
@@ -40,6 +41,8 @@ enum Verb {
     Check(check::Args),
     /// Run a case in many ways and report what accuracy costs and where schemes hold
     Study(study::Args),
+    /// Put fields, histories, errors and balances of a run on one page
+    Report(report::Args),
     /// List the bundled cases, or write one to a folder
     Cases(cases::Args),
     /// List the linear solvers and their options
@@ -60,6 +63,7 @@ pub fn main() -> ExitCode {
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
         Verb::Study(args) => study::run(&args),
+        Verb::Report(args) => report::run(&args),
         Verb::Cases(args) => cases::run(&args),
         Verb::Solvers(args) => solvers::run(&args),
         Verb::Schema => schema::run(),

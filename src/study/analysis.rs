@@ -110,6 +110,8 @@ pub enum Grounds {
     Measured,
     /// Beyond the measured runs, by the power law through them.
     Extrapolated,
+    /// Beyond a single run, by the orders of theory.
+    Theory,
 }
 
 /// What it costs to reach an error.

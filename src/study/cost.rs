@@ -219,7 +219,12 @@ fn reaching(
         .map(|error| {
             let methods: BTreeMap<String, Option<Reach>> = groups
                 .iter()
-                .map(|(name, runs)| (name.clone(), reach(&pairs(runs), error)))
+                .map(|(name, runs)| {
+                    (
+                        name.clone(),
+                        reach(&pairs(runs), error).or_else(|| by_theory(runs, error)),
+                    )
+                })
                 .collect();
             let known = methods
                 .iter()
@@ -236,7 +241,8 @@ fn reaching(
         .collect();
     let mut table = Table::new(
         "Seconds to reach an error, and how many times the cheapest that is. Interpolated between \
-         runs; ≈ marks what the power law through a method's own best runs continues beyond them.",
+         runs; ≈ marks what the power law through a method's own best runs continues beyond them, \
+         ≈≈ what the orders of theory do from the only cloud that an explicit scheme could do in time.",
         &["error ≤", "cheapest"],
     );
     table.head.extend(groups.keys().cloned());
@@ -246,10 +252,10 @@ fn reaching(
         cells.extend(cost.methods.values().map(|reach| match reach {
             None => "not reached".to_owned(),
             Some(reach) => {
-                let mark = if reach.grounds == Grounds::Extrapolated {
-                    "≈ "
-                } else {
-                    ""
+                let mark = match reach.grounds {
+                    Grounds::Measured => "",
+                    Grounds::Extrapolated => "≈ ",
+                    Grounds::Theory => "≈≈ ",
                 };
                 let times = cost.seconds.map(|best| reach.cost / best);
                 let times = times.map_or(String::new(), |times| format!(" ({times:.1}×)"));
@@ -261,6 +267,17 @@ fn reaching(
     (table, costs)
 }
 
+/// Cost of an explicit scheme beyond its only run: error ∝ Δx², points ∝ Δx^−D, steps ∝ Δx^−2.
+fn by_theory(runs: &[&Measured], error: f64) -> Option<Reach> {
+    let [run] = runs else { return None };
+    let (dimension, own) = (run.number("/dimension"), run.error());
+    let near = run.variant.scheme == "explicit" && own > error && own < 100.0 * error;
+    near.then(|| Reach {
+        cost: run.seconds() * (own / error).powf(0.5 * (dimension + 2.0)),
+        grounds: Grounds::Theory,
+    })
+}
+
 fn headline(cost: &CostToReach) -> Option<String> {
     let (cheapest, best) = (cost.cheapest.as_ref()?, cost.seconds?);
     let explicit = cost.methods.get("explicit").copied().flatten();
@@ -270,6 +287,7 @@ fn headline(cost: &CostToReach) -> Option<String> {
             let about = match reach.grounds {
                 Grounds::Measured => "",
                 Grounds::Extrapolated => "about ",
+                Grounds::Theory => "by theory about ",
             };
             format!(
                 "; explicit: {about}{}, {:.0}×",

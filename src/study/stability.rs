@@ -58,12 +58,6 @@ fn tried(coupled: bool) -> Vec<Tried> {
                 split: |_| Split::Explicit { relaxation: 0.0 },
             },
             Tried {
-                label: "semi-implicit, lagged strain",
-                method: method("semi-implicit", euler),
-                overrides: &["scheme.relaxation=0"],
-                split: |_| Split::Lagged,
-            },
-            Tried {
                 label: "staggered",
                 method: method("staggered", euler),
                 overrides: &[],
@@ -221,11 +215,10 @@ impl Setting {
         2.0 * (1.0 + self.tau(strength)) / largest * self.unit(strength)
     }
 
-    /// Stable steps of a split, in units of the limit.
-    fn stable(&self, split: Split, strength: f64) -> (f64, f64) {
+    /// Largest stable step of a split, in units of the limit.
+    fn stable(&self, split: Split, strength: f64) -> f64 {
         let stable = split.stable(&self.modes, self.tau(strength));
-        let scale = self.unit(strength) / self.limit(strength);
-        (stable.from * scale, stable.to * scale)
+        stable * self.unit(strength) / self.limit(strength)
     }
 }
 
@@ -294,7 +287,6 @@ impl Study for Stability {
                     .with("step_ratio", ratio)
                     .with(if coupled { "strength" } else { "contrast" }, strength);
                 variant.scheme = tried.label.to_owned();
-                variant.weight = f64::from(k);
                 variants.push(variant);
             }
         }
@@ -390,21 +382,24 @@ enum Class {
     Oscillating,
     Diverged,
     Refused,
+    Unfinished,
 }
 
 impl Class {
-    const ALL: [Class; 5] = [
+    const ALL: [Class; 6] = [
         Class::Converged,
         Class::Inaccurate,
         Class::Oscillating,
         Class::Diverged,
         Class::Refused,
+        Class::Unfinished,
     ];
 
     fn of(run: &Measured) -> Class {
         match run.first().status {
             Status::Done => {}
             Status::Refused => return Class::Refused,
+            Status::TimedOut | Status::Skipped => return Class::Unfinished,
             _ => return Class::Diverged,
         }
         let error = run.error();
@@ -435,6 +430,7 @@ impl Class {
             Class::Oscillating => "oscillating",
             Class::Diverged => "diverged",
             Class::Refused => "refused",
+            Class::Unfinished => "unfinished",
         }
     }
 }
@@ -443,8 +439,8 @@ impl Class {
 #[derive(Debug, Clone, serde::Serialize)]
 struct Border {
     strength: f64,
-    theory_from: f64,
-    theory_to: f64,
+    /// Infinite (null) if every step is stable.
+    theory: f64,
     stable_to: Option<f64>,
     unstable_from: Option<f64>,
     cells_apart: f64,
@@ -453,11 +449,10 @@ struct Border {
 impl Border {
     fn cells(&self, label: &str) -> Vec<String> {
         let number = |value: Option<f64>| value.map_or("none".to_owned(), |v| format!("{v:.2}"));
-        let theory = match (self.theory_from, self.theory_to) {
-            (from, _) if from > 0.0 => format!("stable from {from:.3e}"),
-            (_, to) if to.is_infinite() => "always stable".to_owned(),
-            (_, to) if to <= 0.0 => "never stable".to_owned(),
-            (_, to) => format!("stable to {to:.3}"),
+        let theory = match self.theory {
+            to if to.is_infinite() => "every step is stable".to_owned(),
+            to if to <= 0.0 => "no step is stable".to_owned(),
+            to => format!("stable to {to:.3}"),
         };
         vec![
             label.to_owned(),
@@ -472,7 +467,8 @@ impl Border {
 
 fn borders(runs: &[&Measured], axis: &str, setting: &Setting, split: Split) -> Vec<Border> {
     let mut rows: BTreeMap<u64, Vec<(f64, f64, bool)>> = BTreeMap::new();
-    for run in runs {
+    let ended = |run: &&&Measured| Class::of(run) != Class::Unfinished;
+    for run in runs.iter().filter(ended) {
         let (ratio, strength) = (run.variant.value("step_ratio"), run.variant.value(axis));
         let stable = Class::of(run).is_stable();
         rows.entry(strength.to_bits())
@@ -483,35 +479,26 @@ fn borders(runs: &[&Measured], axis: &str, setting: &Setting, split: Split) -> V
         .map(|mut row| {
             row.sort_by(|a, b| a.0.total_cmp(&b.0));
             let strength = row[0].1;
-            let (from, to) = setting.stable(split, strength);
-            // Cells whose centre theory puts on one side and the run on the other, seen from the border.
-            let wrong = row.iter().filter(|(ratio, _, stable)| {
-                let expected = *ratio >= from && *ratio <= to;
-                expected != *stable
+            let theory = setting.stable(split, strength);
+            // Runs that theory puts on the other side; how far from the border, in cells.
+            let wrong = row
+                .iter()
+                .filter(|(ratio, _, stable)| (*ratio <= theory) != *stable);
+            let apart = wrong.map(|(ratio, ..)| match theory > 0.0 && theory.is_finite() {
+                true => ((ratio / theory).ln().abs() / CELL.ln()).ceil(),
+                // The border runs along this row: it is a strength of one away.
+                false => (strength.ln().abs() / CELL.ln()).ceil(),
             });
-            let distance = |ratio: f64| {
-                let edges = [from, to].into_iter().filter(|e| *e > 0.0 && e.is_finite());
-                let near = edges.map(|edge| (ratio / edge).ln().abs() / CELL.ln());
-                near.fold(f64::INFINITY, f64::min)
-            };
-            let apart = wrong
-                .map(|(ratio, ..)| distance(*ratio))
-                .map(|d| match d.is_finite() {
-                    true => d.ceil(),
-                    // No border at all along this row: it lies in the other direction.
-                    false => (strength.ln().abs() / CELL.ln()).ceil(),
-                });
             Border {
                 strength,
-                theory_from: from,
-                theory_to: to,
+                theory,
+                cells_apart: apart.fold(0.0, f64::max),
                 stable_to: row
                     .iter()
                     .filter(|cell| cell.2)
                     .map(|cell| cell.0)
                     .reduce(f64::max),
                 unstable_from: row.iter().find(|cell| !cell.2).map(|cell| cell.0),
-                cells_apart: apart.fold(0.0, f64::max),
             }
         })
         .collect()
@@ -545,15 +532,12 @@ fn draw(
     };
     let (x_low, x_high) = span(&mut all().map(|place| place.0));
     let (y_low, y_high) = span(&mut all().map(|place| place.1));
-    let border = |pick: fn((f64, f64)) -> f64| -> (Vec<f64>, Vec<f64>) {
-        (0..=400)
-            .map(|k| y_low * (y_high / y_low).powf(f64::from(k) / 400.0))
-            .map(|y| (pick(setting.stable(split, y)), y))
-            .filter(|(x, _)| x.is_finite() && *x > 0.0)
-            .map(|(x, y)| (x.clamp(0.8 * x_low, 1.25 * x_high), y))
-            .unzip()
-    };
-    let (upper, lower) = (border(|pair| pair.1), border(|pair| pair.0));
+    // Nothing is drawn where the border lies beyond the runs.
+    let (x, y): (Vec<f64>, Vec<f64>) = (0..=400)
+        .map(|k| y_low * (y_high / y_low).powf(f64::from(k) / 400.0))
+        .map(|y| (setting.stable(split, y), y))
+        .filter(|(x, _)| (0.5 * x_low..=2.0 * x_high).contains(x))
+        .unzip();
     let mut series: Vec<Series<'_>> = columns
         .iter()
         // Classes that do not occur keep their look, so that pictures can be compared.
@@ -564,15 +548,13 @@ fn draw(
             style: LineStyle::Markers,
         })
         .collect();
-    for (x, y) in [&upper, &lower] {
-        if !x.is_empty() {
-            series.push(Series {
-                label: "theory",
-                x,
-                y,
-                style: LineStyle::Dashed,
-            });
-        }
+    if !x.is_empty() {
+        series.push(Series {
+            label: "theory",
+            x: &x,
+            y: &y,
+            style: LineStyle::Dashed,
+        });
     }
     let file = format!("stability-{}", label.replace(", ", "-").replace(' ', "-"));
     section.draw(

@@ -147,6 +147,26 @@ impl Subject {
         multiples.into_iter().map(grid).filter(fits).collect()
     }
 
+    /// The coarsest lattice of the case whose spacing is not above the one wanted.
+    pub fn grid_within(&self, wanted: f64) -> Option<Grid> {
+        let GeometryPlan::Lattice { size, cells, .. } = &self.plan.geometry else {
+            return None;
+        };
+        let common = cells.iter().copied().fold(0, divisor).max(1);
+        let base = cells[0] / common;
+        // A little slack, so that a spacing that was run is found again.
+        let along = (size[0] / wanted / base as f64 * (1.0 - 1e-9))
+            .ceil()
+            .max(1.0) as usize;
+        let longest = cells.iter().copied().max()? / common;
+        let points = vec![along * longest];
+        let wish = Options {
+            points,
+            ..Options::default()
+        };
+        self.grids(&wish, (0, usize::MAX)).into_iter().next()
+    }
+
     /// Whether the shortest side has two points, so that mirror images make whole families.
     fn reaches(&self, grid: &Grid) -> bool {
         let GeometryPlan::Lattice { size, .. } = &self.plan.geometry else {

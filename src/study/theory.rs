@@ -124,57 +124,30 @@ pub enum Split {
         /// Fixed-stress term over α²/M.
         relaxation: f64,
     },
-    /// Backward Euler; strain lags, without a fixed-stress term.
-    Lagged,
     /// Always stable.
     Unconditional,
 }
 
-/// Steps of which all modes decay, as the number Δt κ/(S Δx²).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stable {
-    /// From here on.
-    pub from: f64,
-    /// Up to here; nothing if below `from`.
-    pub to: f64,
-}
-
 impl Split {
-    /// Stable steps at coupling strength τ = α²/(S M).
+    /// Largest stable step at coupling strength τ = α²/(S M), as the number Δt κ/(S Δx²); 0 if there is
+    /// none, infinite if all are.
     ///
-    /// A mode with d = Δt κ k²/S and softness ρ obeys, explicit, with fixed-stress term βτ,
-    /// (1 + βτ) z² − (1 + βτ + (β − ρ)τ − d) z + (β − ρ)τ = 0, hence d ≤ 2(1 + (2β − ρ)τ); and lagged
-    /// with backward Euler (1 + d) z² + (ρτ − 1) z − ρτ = 0, hence d ≥ 2(ρτ − 1).
-    pub fn stable(self, modes: &[Mode], tau: f64) -> Stable {
-        let all = Stable {
-            from: 0.0,
-            to: f64::INFINITY,
+    /// A mode with d = Δt κ k²/S and softness ρ obeys, with the fixed-stress term βτ,
+    /// (1 + βτ) z² − (1 + βτ + (β − ρ)τ − d) z + (β − ρ)τ = 0, hence d ≤ 2(1 + (2β − ρ)τ).
+    pub fn stable(self, modes: &[Mode], tau: f64) -> f64 {
+        let Split::Explicit { relaxation } = self else {
+            return f64::INFINITY;
         };
-        modes.iter().fold(all, |stable, mode| {
-            let Mode {
-                diffusion,
-                softness,
-            } = *mode;
-            match self {
-                Split::Explicit { relaxation } => {
-                    let room = 2.0 * (1.0 + (2.0 * relaxation - softness) * tau);
-                    // Nothing is stable where the smallest step is not.
-                    let to = if room > 0.0 { room / diffusion } else { 0.0 };
-                    Stable {
-                        to: stable.to.min(to),
-                        ..stable
-                    }
-                }
-                Split::Lagged => {
-                    let least = 2.0 * (softness * tau - 1.0) / diffusion;
-                    Stable {
-                        from: stable.from.max(least),
-                        ..stable
-                    }
-                }
-                Split::Unconditional => stable,
+        let largest = |mode: &Mode| {
+            let room = 2.0 * (1.0 + (2.0 * relaxation - mode.softness) * tau);
+            // Nothing is stable where the smallest step is not.
+            if room > 0.0 {
+                room / mode.diffusion
+            } else {
+                0.0
             }
-        })
+        };
+        modes.iter().map(largest).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -228,12 +201,9 @@ mod tests {
             diffusion: 0.5,
             softness: 1.0,
         }];
-        let explicit = |relaxation, tau| Split::Explicit { relaxation }.stable(&mode, tau).to;
+        let explicit = |relaxation, tau| Split::Explicit { relaxation }.stable(&mode, tau);
         assert!((explicit(1.0, 3.0) - 16.0).abs() < 1e-12);
         assert!((explicit(0.0, 0.5) - 2.0).abs() < 1e-12);
         assert!(explicit(0.0, 2.0).abs() < 1e-12);
-        let lagged = Split::Lagged.stable(&mode, 3.0);
-        assert!((lagged.from - 8.0).abs() < 1e-12);
-        assert!(Split::Lagged.stable(&mode, 0.5).from.abs() < 1e-12);
     }
 }
