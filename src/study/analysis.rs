@@ -69,6 +69,7 @@ impl Fit {
 impl std::fmt::Display for Fit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.half_width {
+            Some(half) if half < 0.01 => write!(f, "{:.3} ± {half:.3}", self.slope),
             Some(half) => write!(f, "{:.2} ± {half:.2}", self.slope),
             None => write!(f, "{:.2} (two points)", self.slope),
         }
@@ -125,7 +126,7 @@ pub struct Reach {
 
 /// Cost at which the front of the pairs (cost, error) reaches `error`, interpolated in logarithms.
 ///
-/// Beyond the most accurate run the power law through the front continues it, over two decades of
+/// Beyond the most accurate run the power law through the two best continues it, over two decades of
 /// error at most; `None` if the front has a single run or does not get better with cost.
 pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<Reach> {
     let front: Vec<(f64, f64)> = pareto(pairs).into_iter().map(|i| pairs[i]).collect();
@@ -148,7 +149,9 @@ pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<Reach> {
             return measured(c0 * (c1 / c0).powf(part));
         }
     }
-    let swapped: Vec<(f64, f64)> = front.iter().map(|(c, e)| (*e, *c)).collect();
+    // The two best runs: those before are ruled by the start of the program, which costs the same for all.
+    let best = &front[front.len().saturating_sub(2)..];
+    let swapped: Vec<(f64, f64)> = best.iter().map(|(c, e)| (*e, *c)).collect();
     let fit = Fit::of(&swapped).filter(|fit| fit.slope < 0.0 && last.1 < 100.0 * error)?;
     Some(Reach {
         cost: last.0 * (error / last.1).powf(fit.slope),
