@@ -351,8 +351,9 @@ impl Study for Stability {
                     "{}: the border found is {} of theory's.",
                     tried.label,
                     match worst < 0.5 {
-                        true => "in the very cell".to_owned(),
-                        false => format!("within {worst:.0} cells"),
+                        true => "in the very grid cell".to_owned(),
+                        false if worst < 1.5 => "within one grid cell".to_owned(),
+                        false => format!("within {worst:.0} grid cells"),
                     }
                 ),
             });
