@@ -8,7 +8,7 @@
 //! *Effects* act at points, *operators* act on bonds, *schemes* combine them over time, *backends*
 //! (crate `perifrac-solvers`) solve. Modules use only those before them in this order, which a test
 //! holds: load, geometry, material, reference, scene, plan, operators, assembly, report, effects,
-//! boundary, model, explain, schemes, output, run, cases, cli.
+//! boundary, model, explain, schemes, output, run, cases, study, cli.
 
 pub mod assembly;
 pub mod boundary;
@@ -28,3 +28,4 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod schemes;
+pub mod study;

@@ -24,6 +24,7 @@ const ORDER: &[&str] = &[
     "output",
     "run",
     "cases",
+    "study",
     "cli",
 ];
 

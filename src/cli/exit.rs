@@ -8,6 +8,7 @@ use crate::output::OutputError;
 use crate::run::RunError;
 use crate::scene::SceneErrors;
 use crate::schemes::StepError;
+use crate::study::StudyError;
 
 /// A failure of a verb, as told to the user.
 #[derive(Debug)]
@@ -20,6 +21,10 @@ pub enum Failure {
     Run(Box<RunError>),
     /// A file could not be written.
     Output(OutputError),
+    /// A study or a report could not be made.
+    Study(StudyError),
+    /// A study was interrupted; what is done is kept.
+    Interrupted(String),
     /// Standard output went away.
     Broken,
 }
@@ -32,6 +37,9 @@ impl Failure {
             Failure::Scene(_) => 3,
             Failure::Run(error) => run_code(error),
             Failure::Output(_) => 1,
+            Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
+            Failure::Study(_) => 1,
+            Failure::Interrupted(_) => 130,
             Failure::Broken => 0,
         }
     }
@@ -44,6 +52,8 @@ impl Failure {
             Failure::Scene(errors) => errors.render(colourful()),
             Failure::Run(error) => format!("error: {error}"),
             Failure::Output(error) => format!("error: {error}"),
+            Failure::Study(error) => format!("error: {error}"),
+            Failure::Interrupted(message) => format!("interrupted: {message}"),
             Failure::Broken => return 0,
         };
         // Nothing can be done if even standard error is gone.
@@ -89,6 +99,12 @@ impl From<RunError> for Failure {
 impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         RunError::Model(error).into()
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        Failure::Study(error)
     }
 }
 

@@ -7,9 +7,11 @@ mod exit;
 mod plan;
 mod processes;
 mod progress;
+mod report;
 mod run;
 mod schema;
 mod solvers;
+mod study;
 
 use std::process::ExitCode;
 
@@ -37,6 +39,10 @@ enum Verb {
     Plan(plan::Args),
     /// Check a scene without running it
     Check(check::Args),
+    /// Run a case in many ways and report what accuracy costs and where schemes hold
+    Study(study::Args),
+    /// Put fields, histories, errors and balances of a run on one page
+    Report(report::Args),
     /// List the bundled cases, or write one to a folder
     Cases(cases::Args),
     /// List the linear solvers and their options
@@ -56,6 +62,8 @@ pub fn main() -> ExitCode {
         Verb::Run(args) => run::run(&args),
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
+        Verb::Study(args) => study::run(&args),
+        Verb::Report(args) => report::run(&args),
         Verb::Cases(args) => cases::run(&args),
         Verb::Solvers(args) => solvers::run(&args),
         Verb::Schema => schema::run(),

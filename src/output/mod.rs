@@ -20,7 +20,7 @@ pub use error::OutputError;
 pub use history::{History, Table};
 pub use plots::{
     FieldPlot, LinePlot, LineStyle, Multiples, PathPlot, Scale, Series, animation_png, field_png,
-    lines_svg, multiples_png, paths_svg,
+    lines_svg, lines_text, multiples_png, paths_svg,
 };
 pub use pvd::Pvd;
 pub use pvtu::write_pvtu;

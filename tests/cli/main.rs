@@ -15,4 +15,5 @@ mod listings;
 mod processes;
 mod repeats;
 mod runs;
+mod studies;
 mod support;

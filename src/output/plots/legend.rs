@@ -31,6 +31,13 @@ const CROSS: [Place; 12] = [
     (1.6, 5.4), (-1.6, 5.4), (-1.6, 1.6), (-5.4, 1.6), (-5.4, -1.6), (-1.6, -1.6),
 ];
 
+/// The same cross, leaning, px.
+#[rustfmt::skip]
+const SALTIRE: [Place; 12] = [
+    (0.0, -2.3), (2.7, -5.0), (5.0, -2.7), (2.3, 0.0), (5.0, 2.7), (2.7, 5.0),
+    (0.0, 2.3), (-2.7, 5.0), (-5.0, 2.7), (-2.3, 0.0), (-5.0, -2.7), (-2.7, -5.0),
+];
+
 /// How one curve looks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look {
@@ -61,13 +68,14 @@ impl Look {
 
     /// Draws the mark of this curve.
     pub fn mark<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, (x, y): Place) -> Drawn<()> {
-        let corners: &[Place] = match self.index % 6 {
+        let corners: &[Place] = match self.index % 7 {
             0 => return canvas.disc((x, y), 4.2, self.colour()),
             1 => &[(-3.8, -3.8), (3.8, -3.8), (3.8, 3.8), (-3.8, 3.8)],
             2 => &[(0.0, -5.2), (4.9, 3.6), (-4.9, 3.6)],
             3 => &[(0.0, -5.6), (5.6, 0.0), (0.0, 5.6), (-5.6, 0.0)],
             4 => &[(0.0, 5.2), (4.9, -3.6), (-4.9, -3.6)],
-            _ => &CROSS,
+            5 => &CROSS,
+            _ => &SALTIRE,
         };
         let places: Vec<Place> = corners.iter().map(|c| (x + c.0, y + c.1)).collect();
         canvas.polygon(&places, self.colour())

@@ -85,6 +85,24 @@ pub fn lines_svg(path: impl AsRef<Path>, plot: &LinePlot<'_>) -> Result<(), Outp
     write_atomically(path, |writer| writer.write_all(text.as_bytes()))
 }
 
+/// Draws curves with axes and legend as the text of an SVG drawing.
+///
+/// # Errors
+/// The reason, as in [`OutputError::Drawing`].
+pub fn lines_text(plot: &LinePlot<'_>) -> Result<String, String> {
+    for series in plot.series {
+        if series.x.len() != series.y.len() {
+            return Err(format!(
+                "the series {:?} has {} x and {} y",
+                series.label,
+                series.x.len(),
+                series.y.len()
+            ));
+        }
+    }
+    draw(plot)
+}
+
 /// Where the parts of the drawing go, in pixels.
 struct Layout {
     title: Vec<String>,

@@ -1,0 +1,244 @@
+//! `perifrac study`.
+
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use clap::builder::PossibleValuesParser;
+
+use crate::study::{self, Campaign, Options, Row, Status, Subject, Variant, Watcher};
+
+use super::common::SceneArgs;
+use super::exit::{Failure, print};
+
+/// Arguments of `study`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The report is OUT/report.html; numbers are in OUT/KIND.csv and OUT/report.json, every run in
+OUT/log.jsonl. The same command goes on where an interrupted study stopped; delete the folder to
+begin again.
+
+  perifrac study cost terzaghi --quick
+  perifrac study contrast two-layer
+  perifrac study stability terzaghi
+  perifrac study convergence mandel --schemes monolithic")]
+pub struct Args {
+    /// cost: error against seconds; contrast: 1 to 1e12; stability: where schemes hold;
+    /// convergence: orders in space and time
+    #[arg(value_parser = PossibleValuesParser::new(study::NAMES))]
+    kind: String,
+    /// Path of a scene file, or name of a bundled case
+    scene: String,
+    /// Override a key in all runs
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Time schemes to compare [default: all that suit the case]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    schemes: Vec<String>,
+    /// Linear solvers to compare, separated by blanks [default: a factor and multigrid]
+    #[arg(long, value_name = "A B", value_delimiter = ' ')]
+    solvers: Vec<String>,
+    /// Points along the longest side [default: halved spacings around the case's own]
+    #[arg(long, value_name = "N,M", value_delimiter = ',')]
+    points: Vec<usize>,
+    /// Runs of each variant, of which the median counts [default: 3 for cost, else 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: Option<u32>,
+    /// Few and small runs, done within a minute
+    #[arg(long)]
+    quick: bool,
+    /// Time after which no further run is started, such as 90s or 10min [default: 9min; quick: 50s]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    budget: Option<Duration>,
+    /// Longest single run [default: a tenth of the budget]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    limit: Option<Duration>,
+    /// Folder for the report [default: out/study-KIND-CASE]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print report.json
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs a study.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let start = Instant::now();
+    let Some(kind) = study::study(&args.kind) else {
+        return Err(Failure::Usage(format!(
+            "there is no study \"{}\"",
+            args.kind
+        )));
+    };
+    let subject = subject(&args.scene, &args.overrides)?;
+    let options = Options {
+        schemes: args.schemes.clone(),
+        solvers: args.solvers.clone(),
+        points: args.points.clone(),
+        quick: args.quick,
+    };
+    let variants = kind.variants(&subject, &options)?;
+    if variants.is_empty() {
+        return Err(Failure::Usage(
+            "no scheme that suits the case is left; see --schemes".to_owned(),
+        ));
+    }
+    let quick = if args.quick { "-quick" } else { "" };
+    let default = format!("study-{}-{}{quick}", args.kind, subject.plan.case);
+    let folder = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(default));
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| Failure::Usage(format!("cannot create {}: {error}", folder.display())))?;
+    let interrupt = interruption();
+    let budget = args
+        .budget
+        .unwrap_or(Duration::from_secs(if args.quick { 50 } else { 540 }));
+    let limit = args.limit.unwrap_or(budget / 10);
+    let repeat = args
+        .repeat
+        .unwrap_or(if args.quick { 1 } else { kind.repetitions() });
+    let mut campaign = Campaign::new(&subject, &folder, repeat, (budget, limit), &interrupt)?;
+    let mut console = Console {
+        shown: std::io::stderr().is_terminal() && !args.json,
+    };
+    let (runs, complete) = campaign.run(&variants, &mut console)?;
+    console.clear();
+    if runs.is_empty() {
+        return Err(nothing(&interrupt));
+    }
+    let report = study::write_report(&folder, &*kind, &subject, &runs, complete)?;
+    let page = folder.join("report.html");
+    if interrupt.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted(format!(
+            "what is done is in {}; the same command goes on",
+            page.display()
+        )));
+    }
+    if args.json {
+        return print(&serde_json::to_string_pretty(&report).unwrap_or_default());
+    }
+    let mut text = headlines(&*kind, &subject, &runs);
+    let failed = runs.iter().filter(|run| !run.done()).count();
+    text += &format!(
+        "{} variants, {failed} not done (the report says why)",
+        runs.len()
+    );
+    if !complete {
+        text += "; the budget was used up, the same command goes on";
+    }
+    print(&format!(
+        "{text}; {:.0} s\nreport in {}",
+        start.elapsed().as_secs_f64(),
+        page.display()
+    ))
+}
+
+/// The case of a study.
+pub(super) fn subject(scene: &str, overrides: &[String]) -> Result<Subject, Failure> {
+    let wish = SceneArgs {
+        scene: scene.to_owned(),
+        overrides: overrides.to_vec(),
+        scheme: None,
+        solver: None,
+    };
+    let planned = wish.plan()?;
+    Ok(Subject::new(
+        scene,
+        &planned.loaded,
+        planned.plan,
+        overrides.to_vec(),
+    ))
+}
+
+/// A flag that ctrl-C sets; a second one ends the program at once.
+pub(super) fn interruption() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let seen = flag.clone();
+    // Without a handler the study is simply ended at once; its log is whole all the same.
+    let _ = ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    flag
+}
+
+fn nothing(interrupt: &AtomicBool) -> Failure {
+    match interrupt.load(Ordering::Relaxed) {
+        true => Failure::Interrupted("before the first run ended".to_owned()),
+        false => {
+            Failure::Usage("the budget is too small for a single run; see --budget".to_owned())
+        }
+    }
+}
+
+fn headlines(kind: &dyn study::Study, subject: &Subject, runs: &[study::Measured]) -> String {
+    let lines = kind.findings(subject, runs).headlines;
+    lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
+/// A time such as `90s`, `10min` or `1h`; a bare number is seconds.
+fn duration(text: &str) -> Result<Duration, String> {
+    let digits = text.trim_end_matches(|c: char| c.is_alphabetic() || c.is_whitespace());
+    let factor = match text[digits.len()..].trim() {
+        "" | "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        unit => {
+            return Err(format!(
+                "unknown unit \"{unit}\"; write it like 90s, 10min or 1h"
+            ));
+        }
+    };
+    let number: f64 = digits
+        .parse()
+        .map_err(|_| "write it like 90s, 10min or 1h".to_owned())?;
+    Duration::try_from_secs_f64(factor * number).map_err(|error| error.to_string())
+}
+
+/// One line that tells how far the study is.
+struct Console {
+    shown: bool,
+}
+
+impl Console {
+    fn clear(&self) {
+        if self.shown {
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+impl Watcher for Console {
+    fn ended(&mut self, variant: &Variant, row: &Row, done: usize, of: usize) {
+        if !self.shown {
+            return;
+        }
+        let outcome = match row.status {
+            Status::Done => format!("{:.2} s", row.wall_s),
+            other => other.name().to_owned(),
+        };
+        let _ = write!(
+            std::io::stderr(),
+            "\r\x1b[K{done}/{of} {}: {outcome}",
+            variant.method()
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("10min"), Ok(Duration::from_secs(600)));
+        assert_eq!(duration("1.5 h"), Ok(Duration::from_secs(5400)));
+        assert!(duration("10 m").is_err() && duration("soon").is_err() && duration("-1s").is_err());
+    }
+}

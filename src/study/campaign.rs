@@ -1,0 +1,241 @@
+//! Running the variants of a study: in turns, within a budget, and never twice.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::{Log, Row, Runner, Status, StudyError, Subject, Variant, median, profile};
+
+/// Hears of the progress of a study.
+pub trait Watcher {
+    /// A run ended, or was found in the log.
+    fn ended(&mut self, variant: &Variant, row: &Row, done: usize, of: usize);
+}
+
+impl Watcher for () {
+    fn ended(&mut self, _: &Variant, _: &Row, _: usize, _: usize) {}
+}
+
+/// A variant with its runs.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// What was run.
+    pub variant: Variant,
+    /// Its runs, in order; the first one decides about errors and counters.
+    pub rows: Vec<Row>,
+}
+
+impl Measured {
+    /// The first run.
+    pub fn first(&self) -> &Row {
+        // A variant enters the results with its first run.
+        &self.rows[0]
+    }
+
+    /// Whether it reached its end.
+    pub fn done(&self) -> bool {
+        self.first().status == Status::Done
+    }
+
+    /// Median of a measure over the runs that reached their end.
+    pub fn typical(&self, measure: impl Fn(&Row) -> f64) -> f64 {
+        let done = self.rows.iter().filter(|row| row.status == Status::Done);
+        median(&done.map(measure).collect::<Vec<f64>>()).unwrap_or(f64::NAN)
+    }
+
+    /// Median wall time, s.
+    pub fn seconds(&self) -> f64 {
+        self.typical(|row| row.wall_s)
+    }
+
+    /// A number of the summary by its path, such as `/counters/solver/iterations`.
+    pub fn number(&self, path: &str) -> f64 {
+        let summary = self.first().summary.as_ref().filter(|_| self.done());
+        let value = summary.and_then(|summary| summary.pointer(path));
+        value
+            .and_then(serde_json::Value::as_f64)
+            .unwrap_or(f64::NAN)
+    }
+
+    /// Errors per field: root mean square over the range, the largest of all outputs after the start.
+    pub fn errors(&self) -> BTreeMap<String, f64> {
+        let mut errors: BTreeMap<String, f64> = BTreeMap::new();
+        let summary = self.first().summary.as_ref().filter(|_| self.done());
+        let outputs = summary.and_then(|summary| summary["errors_over_time"].as_array());
+        for output in outputs
+            .into_iter()
+            .flatten()
+            .filter_map(|output| output.as_object())
+        {
+            for (field, error) in output {
+                if let Some(error) = error["l2"].as_f64() {
+                    let largest = errors.entry(field.clone()).or_insert(0.0);
+                    *largest = largest.max(error);
+                }
+            }
+        }
+        errors
+    }
+
+    /// The largest error of all fields; NaN without an exact solution.
+    pub fn error(&self) -> f64 {
+        self.errors().into_values().fold(f64::NAN, f64::max)
+    }
+}
+
+/// Runs variants and keeps their rows.
+pub struct Campaign<'a> {
+    /// What is studied.
+    pub subject: &'a Subject,
+    /// Starts the runs.
+    pub runner: Runner,
+    /// Keeps the rows.
+    pub log: Log,
+    /// Most runs per variant.
+    pub repetitions: u32,
+    /// When no further run is started.
+    pub deadline: Instant,
+    /// Longest single run.
+    pub limit: Duration,
+    /// Set by ctrl-C.
+    pub interrupt: &'a AtomicBool,
+}
+
+impl<'a> Campaign<'a> {
+    /// A campaign with its log in `folder`.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the log cannot be opened or the program not be found.
+    pub fn new(
+        subject: &'a Subject,
+        folder: &Path,
+        repetitions: u32,
+        (budget, limit): (Duration, Duration),
+        interrupt: &'a AtomicBool,
+    ) -> Result<Self, StudyError> {
+        Ok(Campaign {
+            subject,
+            runner: Runner::new(&subject.scene)?,
+            log: Log::open(&folder.join("log.jsonl"))?,
+            repetitions,
+            deadline: Instant::now() + budget,
+            limit,
+            interrupt,
+        })
+    }
+
+    /// Runs all variants once, cheap ones first, then all again, as often as wished and as the budget
+    /// allows. Gives what is done and whether it is everything; variants without a run are left out.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a run cannot be started or its row not be kept; a run that fails is a row.
+    pub fn run(
+        &mut self,
+        variants: &[Variant],
+        watcher: &mut dyn Watcher,
+    ) -> Result<(Vec<Measured>, bool), StudyError> {
+        let mut order: Vec<usize> = (0..variants.len()).collect();
+        order.sort_by(|&a, &b| variants[a].weight.total_cmp(&variants[b].weight));
+        let mut rows: Vec<Vec<Row>> = vec![Vec::new(); variants.len()];
+        let (mut done, mut complete) = (0, true);
+        'rounds: for repetition in 0..self.repetitions {
+            for &index in &order {
+                let variant = &variants[index];
+                let earlier = rows[index].first().map(|row| row.status);
+                if earlier.is_some_and(|status| status != Status::Done) {
+                    done += 1;
+                    continue;
+                }
+                let too_long = variants.iter().zip(&rows).any(|(other, rows)| {
+                    let late = |row: &Row| matches!(row.status, Status::TimedOut | Status::Skipped);
+                    other.method() == variant.method()
+                        && other.weight < variant.weight
+                        && rows.iter().any(late)
+                });
+                let Some(row) = self.row(variant, repetition, too_long)? else {
+                    complete = false;
+                    if self.interrupt.load(Ordering::Relaxed) {
+                        break 'rounds;
+                    }
+                    continue;
+                };
+                done += 1;
+                watcher.ended(variant, &row, done, order.len() * self.repetitions as usize);
+                rows[index].push(row);
+            }
+        }
+        let pairs = variants
+            .iter()
+            .cloned()
+            .zip(rows)
+            .filter(|(_, rows)| !rows.is_empty());
+        let measured = pairs
+            .map(|(variant, rows)| Measured { variant, rows })
+            .collect();
+        Ok((measured, complete))
+    }
+
+    /// The row from the log, else a new one; `None` if time is up or the user wants to stop.
+    fn row(
+        &mut self,
+        variant: &Variant,
+        repetition: u32,
+        too_long: bool,
+    ) -> Result<Option<Row>, StudyError> {
+        let key = self.subject.key(&variant.overrides);
+        if let Some(row) = self.log.find(&key, repetition) {
+            return Ok(Some(row.clone()));
+        }
+        if too_long {
+            let reason = "a cheaper run of this method took too long already".to_owned();
+            return Ok(Some(Row::unmeasured(
+                key,
+                repetition,
+                Status::Skipped,
+                reason,
+            )));
+        }
+        let left = self.deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() || self.interrupt.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let folder = tempfile::tempdir().map_err(StudyError::Program)?;
+        let limit = self.limit.min(left);
+        let overrides = [&self.subject.overrides[..], &variant.overrides].concat();
+        let ended = self
+            .runner
+            .run(&overrides, folder.path(), limit, self.interrupt)?;
+        let Some(ended) = ended else {
+            return Ok(None);
+        };
+        // What only the end of the budget cut short says nothing about the method.
+        if ended.timed_out && limit < self.limit {
+            return Ok(None);
+        }
+        let status = match (ended.timed_out, ended.code, &ended.summary) {
+            (true, ..) => Status::TimedOut,
+            (_, Some(0), Some(_)) => Status::Done,
+            (_, Some(2 | 3), _) => Status::Refused,
+            _ => Status::Failed,
+        };
+        let fields = match variant.keep_fields && status == Status::Done {
+            true => profile::last_fields(&folder.path().join("out")),
+            false => Vec::new(),
+        };
+        let row = Row {
+            key,
+            repetition,
+            status,
+            code: ended.code,
+            reason: ended.reason,
+            wall_s: ended.wall_s,
+            cpu_s: ended.cpu_s,
+            memory_bytes: ended.memory_bytes,
+            summary: ended.summary,
+            fields,
+        };
+        self.log.add(row.clone())?;
+        Ok(Some(row))
+    }
+}

@@ -1,0 +1,123 @@
+//! What a study found: numbers for programs, sections with pictures and tables for readers.
+
+use serde_json::Value;
+
+use crate::output::{LinePlot, lines_text};
+
+/// What a study found.
+#[derive(Debug, Clone, Default)]
+pub struct Findings {
+    /// Numbers, for report.json.
+    pub facts: Value,
+    /// One sentence per finding, the most important one first.
+    pub headlines: Vec<String>,
+    /// Parts of the report.
+    pub sections: Vec<Section>,
+}
+
+/// A part of a report.
+#[derive(Debug, Clone, Default)]
+pub struct Section {
+    /// Heading.
+    pub title: String,
+    /// Paragraphs.
+    pub text: Vec<String>,
+    /// Pictures.
+    pub figures: Vec<Figure>,
+    /// Tables.
+    pub tables: Vec<Table>,
+}
+
+/// A picture of a report.
+#[derive(Debug, Clone)]
+pub struct Figure {
+    /// Name of its own file.
+    pub file: String,
+    /// What it shows.
+    pub caption: String,
+    /// The drawing.
+    pub svg: String,
+}
+
+/// A table of a report.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    /// What it holds.
+    pub caption: String,
+    /// Names of columns.
+    pub head: Vec<String>,
+    /// Cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Findings {
+    /// Files of the pictures with their drawings.
+    pub fn pictures(&self) -> impl Iterator<Item = (&str, &str)> {
+        let figures = self.sections.iter().flat_map(|section| &section.figures);
+        figures.map(|figure| (figure.file.as_str(), figure.svg.as_str()))
+    }
+}
+
+impl Section {
+    /// A part with a heading.
+    pub fn new(title: &str) -> Self {
+        Section {
+            title: title.to_owned(),
+            ..Section::default()
+        }
+    }
+
+    /// Adds a picture; a drawing that fails leaves its reason as a paragraph.
+    pub fn draw(&mut self, file: &str, caption: &str, plot: &LinePlot<'_>) {
+        match lines_text(plot) {
+            Ok(svg) => self.figures.push(Figure {
+                file: format!("{file}.svg"),
+                caption: caption.to_owned(),
+                svg,
+            }),
+            Err(reason) => self
+                .text
+                .push(format!("The picture {file} failed: {reason}.")),
+        }
+    }
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(caption: &str, head: &[&str]) -> Self {
+        Table {
+            caption: caption.to_owned(),
+            head: head.iter().map(|name| (*name).to_owned()).collect(),
+            rows: Vec::new(),
+        }
+    }
+}
+
+/// A number of seconds as people say it.
+pub fn seconds(value: f64) -> String {
+    match value {
+        v if !v.is_finite() => "–".to_owned(),
+        v if v < 0.1 => format!("{:.0} ms", 1e3 * v),
+        v if v < 10.0 => format!("{v:.2} s"),
+        v if v < 600.0 => format!("{v:.0} s"),
+        v if v < 7200.0 => format!("{:.0} min", v / 60.0),
+        v if v < 2e5 => format!("{:.1} h", v / 3600.0),
+        v => format!("{:.1e} s", v),
+    }
+}
+
+/// A small number, or a dash.
+pub fn short(value: f64) -> String {
+    match value.is_finite() {
+        true => format!("{value:.2e}"),
+        false => "–".to_owned(),
+    }
+}
+
+/// A count, or a dash.
+pub fn count(value: f64) -> String {
+    match value.is_finite() {
+        true => format!("{value:.0}"),
+        false => "–".to_owned(),
+    }
+}

@@ -1,0 +1,177 @@
+//! Pages that need nothing but themselves: no network, no script.
+
+use super::findings::{Findings, Section, Table, count, seconds, short};
+use super::{Machine, Measured, Subject};
+
+/// Screen, phone, print; colours of text and lines only, the drawings bring their own.
+const STYLE: &str = "\
+:root{color-scheme:light}*{box-sizing:border-box}\
+body{margin:0 auto;max-width:60rem;padding:1rem;background:#fff;color:#1a1a1a;\
+font:16px/1.5 'DejaVu Sans',Verdana,system-ui,sans-serif}\
+h1{font-size:1.6rem;line-height:1.2;margin:.5rem 0}h2{font-size:1.25rem;margin:2rem 0 .5rem}\
+p,ul{margin:.5rem 0}li{margin:.2rem 0}.note{color:#555;font-size:.9rem}\
+.lead{border-left:4px solid #0072b2;padding:.2rem 0 .2rem 1rem;list-style:none;margin-left:0}\
+figure{margin:1rem 0}figure>div,.wide{overflow-x:auto}\
+figure svg{display:block;width:100%;min-width:36rem;height:auto}\
+figure img{display:block;max-width:100%;height:auto}\
+figcaption,caption{color:#555;font-size:.9rem;text-align:left;padding:.3rem 0}\
+table{border-collapse:collapse;font-size:.85rem;width:100%}\
+th,td{padding:.3rem .6rem;border-bottom:1px solid #ddd;text-align:left;vertical-align:top}\
+th{background:#f4f4f4;border-bottom:2px solid #999}td{font-variant-numeric:tabular-nums}\
+code{font-size:.85em;overflow-wrap:anywhere}details{margin:1rem 0}summary{cursor:pointer}\
+@media print{body{max-width:none;padding:0;font-size:11px}figure,tr{break-inside:avoid}\
+figure svg{min-width:0}figure>div,.wide{overflow:visible}details>*{display:block}}";
+
+/// Text with what HTML would take as its own replaced.
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+/// A whole page.
+pub(super) fn page(title: &str, body: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{0}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{body}</body>\n\
+         </html>\n",
+        escape(title)
+    )
+}
+
+/// A paragraph.
+pub(super) fn paragraph(text: &str) -> String {
+    format!("<p>{}</p>\n", escape(text))
+}
+
+/// A table that scrolls by itself where it is too wide.
+pub(super) fn table(table: &Table) -> String {
+    let cells = |tag: &str, cells: &[String]| -> String {
+        let cell = |text: &String| format!("<{tag}>{}</{tag}>", escape(text));
+        format!("<tr>{}</tr>\n", cells.iter().map(cell).collect::<String>())
+    };
+    let rows: String = table.rows.iter().map(|row| cells("td", row)).collect();
+    format!(
+        "<div class=\"wide\"><table>\n<caption>{}</caption>\n<thead>{}</thead>\n<tbody>\n{rows}</tbody>\n\
+         </table></div>\n",
+        escape(&table.caption),
+        cells("th", &table.head)
+    )
+}
+
+/// A picture with its caption.
+pub(super) fn figure(svg: &str, caption: &str) -> String {
+    let caption = escape(caption);
+    format!("<figure><div>{svg}</div><figcaption>{caption}</figcaption></figure>\n")
+}
+
+fn section(section: &Section) -> String {
+    let mut text = format!("<h2>{}</h2>\n", escape(&section.title));
+    text.extend(section.text.iter().map(|words| paragraph(words)));
+    text.extend(
+        section
+            .figures
+            .iter()
+            .map(|it| figure(&it.svg, &it.caption)),
+    );
+    text.extend(section.tables.iter().map(table));
+    text
+}
+
+/// The report of a study.
+pub(super) fn study_page(
+    kind: &str,
+    subject: &Subject,
+    machine: &Machine,
+    findings: &Findings,
+    runs: &[Measured],
+    complete: bool,
+) -> String {
+    let mut body = format!(
+        "<p class=\"note\">perifrac {} on {}. Command: <code>perifrac study {kind} {}{}</code></p>\n",
+        env!("CARGO_PKG_VERSION"),
+        escape(&machine.to_string()),
+        escape(&subject.scene),
+        escape(
+            &subject
+                .overrides
+                .iter()
+                .map(|text| format!(" --set {text}"))
+                .collect::<String>()
+        ),
+    );
+    if !complete {
+        body += &paragraph(
+            "This study is not complete: the budget was used up or it was interrupted. The same command \
+             goes on where it stopped.",
+        );
+    }
+    let lines: String = findings
+        .headlines
+        .iter()
+        .map(|line| format!("<li>{}</li>\n", escape(line)))
+        .collect();
+    if !lines.is_empty() {
+        body += &format!("<ul class=\"lead\">\n{lines}</ul>\n");
+    }
+    body.extend(findings.sections.iter().map(section));
+    body += &format!(
+        "<h2>All runs</h2>\n<details open><summary>{} variants</summary>\n{}</details>\n",
+        runs.len(),
+        table(&all_runs(runs))
+    );
+    page(
+        &format!("{} study: {}", capital(kind), subject.plan.title),
+        &body,
+    )
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    let first = letters
+        .next()
+        .map(|letter| letter.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}
+
+fn all_runs(runs: &[Measured]) -> Table {
+    let mut table = Table::new(
+        "One row per variant: median of its repetitions, with the least and the most",
+        &[
+            "method", "varied", "points", "error", "wall", "range", "CPU", "memory", "steps",
+            "factors", "Krylov", "outcome",
+        ],
+    );
+    for run in runs {
+        let (variant, first) = (&run.variant, run.first());
+        let varied = variant
+            .values
+            .iter()
+            .map(|(name, value)| format!("{name} {value:.3e}"));
+        let walls = || run.rows.iter().map(|row| row.wall_s);
+        table.rows.push(vec![
+            variant.method(),
+            varied.collect::<Vec<_>>().join(", "),
+            count(run.number("/points")),
+            short(run.error()),
+            seconds(run.seconds()),
+            format!(
+                "{} … {}",
+                seconds(walls().fold(f64::NAN, f64::min)),
+                seconds(walls().fold(f64::NAN, f64::max))
+            ),
+            seconds(run.typical(|row| row.cpu_s)),
+            format!("{:.0} MB", run.typical(|row| row.memory_bytes as f64) / 1e6),
+            count(run.number("/steps")),
+            count(run.number("/counters/solver/factorisations")),
+            count(run.number("/counters/solver/iterations")),
+            match &first.reason {
+                None => first.status.name().to_owned(),
+                Some(reason) => format!("{}: {reason}", first.status.name()),
+            },
+        ]);
+    }
+    table
+}

@@ -1,0 +1,134 @@
+//! Studies: many runs of one case, as a user would start them, and what they show together.
+//!
+//! A [`Study`] names its [`Variant`]s. A [`Campaign`] runs each as a child process, measures it and
+//! keeps it in a [`Log`], so that an interrupted study goes on where it stopped. From the rows the
+//! study draws its [`Findings`], which become `KIND.csv`, `report.json` and a `report.html` that needs
+//! no network. A new kind is one file and one line in [`study`].
+
+mod analysis;
+mod campaign;
+mod contrast;
+mod convergence;
+mod cost;
+mod error;
+mod findings;
+mod forecast;
+mod html;
+mod log;
+mod machine;
+mod profile;
+mod runner;
+mod single;
+mod stability;
+mod subject;
+mod table;
+mod theory;
+mod variant;
+
+use std::path::Path;
+
+pub use analysis::{Fit, Grounds, Reach, median, pareto, reach};
+pub use campaign::{Campaign, Measured, Watcher};
+pub use error::StudyError;
+pub use findings::{Figure, Findings, Section, Table};
+pub use forecast::{Forecast, calibration, forecast};
+pub use log::{Log, Row, Status};
+pub use machine::Machine;
+pub use runner::{Ended, Runner};
+pub use single::report_run;
+pub use subject::{Grid, Subject};
+pub use variant::{Method, Variant};
+
+use crate::output::{write_atomically, write_json};
+
+/// What the user may choose about a study.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Time schemes; those that suit the case if empty.
+    pub schemes: Vec<String>,
+    /// Linear solvers; a direct and an iterative one if empty.
+    pub solvers: Vec<String>,
+    /// Points along the longest side; the study's choice if empty.
+    pub points: Vec<usize>,
+    /// Few and small runs.
+    pub quick: bool,
+}
+
+impl Options {
+    /// Whether the user wants this scheme.
+    fn wants_scheme(&self, name: &str) -> bool {
+        self.schemes.is_empty() || self.schemes.iter().any(|wish| wish == name)
+    }
+}
+
+/// A kind of study.
+pub trait Study {
+    /// Name on the command line and of its table.
+    fn name(&self) -> &'static str;
+
+    /// The runs it needs.
+    ///
+    /// # Errors
+    /// [`StudyError::Unsuited`] if the case has not what the study varies.
+    fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError>;
+
+    /// What the runs show.
+    fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings;
+
+    /// Repetitions without a wish of the user: more where seconds are compared.
+    fn repetitions(&self) -> u32 {
+        1
+    }
+}
+
+/// The study of a name.
+pub fn study(name: &str) -> Option<Box<dyn Study>> {
+    Some(match name {
+        "cost" => Box::new(cost::Cost),
+        "contrast" => Box::new(contrast::Contrast),
+        "stability" => Box::new(stability::Stability),
+        "convergence" => Box::new(convergence::Convergence),
+        _ => return None,
+    })
+}
+
+/// Names of all studies.
+pub const NAMES: [&str; 4] = ["cost", "contrast", "stability", "convergence"];
+
+/// Writes table, numbers and report of a study into its folder, each file whole or not at all.
+///
+/// # Errors
+/// [`StudyError::Output`] if a file cannot be written.
+pub fn write_report(
+    folder: &Path,
+    study: &dyn Study,
+    subject: &Subject,
+    runs: &[Measured],
+    complete: bool,
+) -> Result<serde_json::Value, StudyError> {
+    let machine = Machine::here();
+    let findings = study.findings(subject, runs);
+    let csv = table::csv(runs)?;
+    write_atomically(folder.join(format!("{}.csv", study.name())), |out| {
+        out.write_all(&csv)
+    })?;
+    let report = serde_json::json!({
+        "study": study.name(),
+        "case": subject.plan.case,
+        "overrides": subject.overrides,
+        "version": env!("CARGO_PKG_VERSION"),
+        "machine": machine,
+        "complete": complete,
+        "findings": findings.facts,
+        "runs": runs.iter().map(table::entry).collect::<Vec<_>>(),
+    });
+    write_json(folder.join("report.json"), &report)?;
+    for (name, svg) in findings.pictures() {
+        write_atomically(folder.join(name), |out| out.write_all(svg.as_bytes()))?;
+    }
+    let page = html::study_page(study.name(), subject, &machine, &findings, runs, complete);
+    write_atomically(folder.join("report.html"), |out| {
+        out.write_all(page.as_bytes())
+    })?;
+    Ok(report)
+}

@@ -1,0 +1,209 @@
+//! Where theory puts the borders of stability: Fourier factors of the modes of a lattice.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::geometry::Influence;
+
+/// A wave on the lattice as the operators see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// Eigenvalue of −∇² times Δx².
+    pub diffusion: f64,
+    /// Volume change under pressure over that of the continuum, 1/M: 1 for long waves, 0 for the
+    /// chequerboard, which the gradient does not see.
+    pub softness: f64,
+}
+
+/// What the modes depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lattice {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// Horizon over spacing.
+    pub ratio: f64,
+    /// How neighbours are weighed.
+    pub influence: Influence,
+    /// λ/μ of the solid.
+    pub stiffness: f64,
+}
+
+/// A bond: its direction in spacings, and its weight.
+type Bond = (Vec<f64>, f64);
+
+/// Waves per half turn and direction.
+const WAVES: usize = 12;
+
+impl Lattice {
+    /// All waves that fit `WAVES` times into the lattice, the constant left out.
+    ///
+    /// Diffusion: the bond form (2d/m) Σ ω (1 − cos k·ξ) with m = Σ ω |ξ|². Solid: Bᵀ C B with the
+    /// gradient's own symbol and the hourglass term with p_hg = μ.
+    pub fn modes(&self) -> Vec<Mode> {
+        let bonds = self.bonds();
+        let steps = |axes: usize, from: i32, to: i32| -> Vec<Vec<i32>> {
+            (0..axes).fold(vec![Vec::new()], |list: Vec<Vec<i32>>, _| {
+                let longer = |head: &Vec<i32>| {
+                    let head = head.clone();
+                    (from..=to).map(move |n| [&head[..], &[n]].concat())
+                };
+                list.iter().flat_map(longer).collect()
+            })
+        };
+        let unit = std::f64::consts::PI / WAVES as f64;
+        let waves = steps(self.dimension, 0, WAVES as i32);
+        let numbers = waves.iter().filter(|wave| wave.iter().any(|k| *k != 0));
+        numbers
+            .map(|wave| {
+                let wave: Vec<f64> = wave.iter().map(|k| f64::from(*k) * unit).collect();
+                self.mode(&bonds, &wave)
+            })
+            .collect()
+    }
+
+    fn bonds(&self) -> Vec<Bond> {
+        let reach = self.ratio.floor() as i32;
+        let line: Vec<f64> = (-reach..=reach).map(f64::from).collect();
+        let all = (0..self.dimension).fold(vec![Vec::new()], |list: Vec<Vec<f64>>, _| {
+            let longer = |head: &Vec<f64>| {
+                let head = head.clone();
+                line.clone()
+                    .into_iter()
+                    .map(move |n| [&head[..], &[n]].concat())
+            };
+            list.iter().flat_map(longer).collect()
+        });
+        let length = |bond: &Vec<f64>| bond.iter().map(|n| n * n).sum::<f64>().sqrt();
+        let seen = all.into_iter().map(|bond| (length(&bond), bond));
+        seen.filter(|(length, _)| *length > 0.0 && *length <= self.ratio * (1.0 + 1e-6))
+            .map(|(length, bond)| (bond, self.influence.weight(length, self.ratio)))
+            .collect()
+    }
+
+    fn mode(&self, bonds: &[Bond], wave: &[f64]) -> Mode {
+        let axes = self.dimension;
+        let phase = |bond: &[f64]| bond.iter().zip(wave).map(|(n, k)| n * k).sum::<f64>();
+        let moment: f64 = bonds
+            .iter()
+            .map(|(bond, w)| w * bond.iter().map(|n| n * n).sum::<f64>())
+            .sum();
+        let shape = moment / axes as f64;
+        let mut gradient = DVector::<f64>::zeros(axes);
+        for (bond, weight) in bonds {
+            for axis in 0..axes {
+                gradient[axis] += weight * bond[axis] * phase(bond).sin() / shape;
+            }
+        }
+        let mut diffusion = 0.0;
+        let mut hourglass = 0.0;
+        for (bond, weight) in bonds {
+            let (sine, cosine) = phase(bond).sin_cos();
+            diffusion += weight * (1.0 - cosine);
+            let linear: f64 = bond.iter().zip(gradient.iter()).map(|(n, g)| n * g).sum();
+            hourglass += weight * ((1.0 - cosine).powi(2) + (sine - linear).powi(2));
+        }
+        diffusion *= 2.0 * axes as f64 / moment;
+        hourglass *= 2.0 / moment;
+        // All over μ; M/μ = λ/μ + 2.
+        let outer = &gradient * gradient.transpose() * (self.stiffness + 1.0);
+        let shear = gradient.dot(&gradient) + hourglass;
+        let stiffness: DMatrix<f64> = outer + DMatrix::identity(axes, axes) * shear;
+        let moved = stiffness.lu().solve(&gradient);
+        let softness = moved.map_or(0.0, |u| gradient.dot(&u) * (self.stiffness + 2.0));
+        Mode {
+            diffusion,
+            softness,
+        }
+    }
+}
+
+/// How a method goes through the coupling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Split {
+    /// Forward Euler; strain lags, with a fixed-stress term `relaxation` times α²/M.
+    Explicit {
+        /// Fixed-stress term over α²/M.
+        relaxation: f64,
+    },
+    /// Always stable.
+    Unconditional,
+}
+
+impl Split {
+    /// Largest stable step at coupling strength τ = α²/(S M), as the number Δt κ/(S Δx²); 0 if there is
+    /// none, infinite if all are.
+    ///
+    /// A mode with d = Δt κ k²/S and softness ρ obeys, with the fixed-stress term βτ,
+    /// (1 + βτ) z² − (1 + βτ + (β − ρ)τ − d) z + (β − ρ)τ = 0, hence d ≤ 2(1 + (2β − ρ)τ).
+    pub fn stable(self, modes: &[Mode], tau: f64) -> f64 {
+        let Split::Explicit { relaxation } = self else {
+            return f64::INFINITY;
+        };
+        let largest = |mode: &Mode| {
+            let room = 2.0 * (1.0 + (2.0 * relaxation - mode.softness) * tau);
+            // Nothing is stable where the smallest step is not.
+            if room > 0.0 {
+                room / mode.diffusion
+            } else {
+                0.0
+            }
+        };
+        modes.iter().map(largest).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shell() -> Lattice {
+        Lattice {
+            dimension: 2,
+            ratio: 5_f64.sqrt(),
+            influence: Influence::InverseSquare,
+            stiffness: 0.0,
+        }
+    }
+
+    /// The 20-point shell has 2.24 at (π, π) with ω = 1/|ξ|²; the five-point scheme has 8.
+    #[test]
+    fn the_largest_eigenvalues_are_those_known() {
+        let largest = |lattice: Lattice| {
+            lattice
+                .modes()
+                .iter()
+                .map(|mode| mode.diffusion)
+                .fold(0.0, f64::max)
+        };
+        assert!((largest(shell()) - 2.24).abs() < 1e-12);
+        assert!(
+            (largest(Lattice {
+                ratio: 1.0,
+                ..shell()
+            }) - 8.0)
+                .abs()
+                < 1e-12
+        );
+    }
+
+    #[test]
+    fn long_waves_are_as_soft_as_the_continuum_and_the_chequerboard_is_rigid() {
+        let modes = shell().modes();
+        let softest = modes.iter().map(|mode| mode.softness).fold(0.0, f64::max);
+        assert!((0.95..1.0 + 1e-9).contains(&softest), "{softest}");
+        let last = modes.last().unwrap();
+        assert!(last.softness.abs() < 1e-12, "{last:?}");
+    }
+
+    /// Borders by hand for one mode: explicit 2(S + b) with β = 1, none beyond τ = 1 with β = 0.
+    #[test]
+    fn borders_of_one_mode() {
+        let mode = [Mode {
+            diffusion: 0.5,
+            softness: 1.0,
+        }];
+        let explicit = |relaxation, tau| Split::Explicit { relaxation }.stable(&mode, tau);
+        assert!((explicit(1.0, 3.0) - 16.0).abs() < 1e-12);
+        assert!((explicit(0.0, 0.5) - 2.0).abs() < 1e-12);
+        assert!(explicit(0.0, 2.0).abs() < 1e-12);
+    }
+}

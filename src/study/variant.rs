@@ -1,0 +1,106 @@
+//! One of the runs of a study.
+
+use std::collections::BTreeMap;
+
+/// One of the runs of a study: what it is called and which keys of the scene it sets.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Variant {
+    /// Scheme with its integrator, as in legends.
+    pub scheme: String,
+    /// Linear solver; `-` without one.
+    pub solver: String,
+    /// Flow operator, where the study varies it.
+    pub operator: Option<String>,
+    /// What it varies beyond that, such as `tolerance` or `contrast`, for tables and axes.
+    pub values: BTreeMap<&'static str, f64>,
+    /// Keys and values for `--set`.
+    pub overrides: Vec<String>,
+    /// Guess of its cost, in any unit: cheap runs come first, and where one takes too long its dearer
+    /// sisters are skipped.
+    pub weight: f64,
+    /// Whether the fields at the end are kept, to compare runs with each other.
+    pub keep_fields: bool,
+}
+
+impl Variant {
+    /// Scheme, solver and operator: what a curve in a picture stands for.
+    pub fn method(&self) -> String {
+        let parts = [
+            Some(&self.scheme),
+            Some(&self.solver),
+            self.operator.as_ref(),
+        ];
+        let parts: Vec<&str> = parts.into_iter().flatten().map(String::as_str).collect();
+        parts
+            .into_iter()
+            .filter(|part| *part != "-")
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// A value that it varies.
+    pub fn value(&self, name: &str) -> f64 {
+        self.values.get(name).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Adds overrides.
+    pub fn set(mut self, overrides: impl IntoIterator<Item = String>) -> Self {
+        self.overrides.extend(overrides);
+        self
+    }
+
+    /// Names a value that it varies.
+    pub fn with(mut self, name: &'static str, value: f64) -> Self {
+        self.values.insert(name, value);
+        self
+    }
+}
+
+/// A way to step through time, as the studies call and set it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// Name on the command line.
+    pub scheme: &'static str,
+    /// Integrator, if the scheme has one.
+    pub integrator: Option<&'static str>,
+}
+
+impl Method {
+    /// As in legends.
+    pub fn label(&self) -> String {
+        match self.integrator {
+            Some("tr-bdf2") => format!("{} TR-BDF2", self.scheme),
+            Some("backward-euler") => format!("{} backward Euler", self.scheme),
+            _ => self.scheme.to_owned(),
+        }
+    }
+
+    /// Its overrides.
+    pub fn overrides(&self) -> Vec<String> {
+        let scheme = [format!("scheme.name=\"{}\"", self.scheme)];
+        let integrator = self
+            .integrator
+            .map(|name| format!("time.integrator=\"{name}\""));
+        scheme.into_iter().chain(integrator).collect()
+    }
+
+    /// Order in time.
+    pub fn order(&self) -> f64 {
+        match self.integrator {
+            Some("tr-bdf2") => 2.0,
+            _ => 1.0,
+        }
+    }
+
+    /// A variant that runs by this method, with the solver unless it needs none.
+    pub fn variant(&self, solver: Option<&str>) -> Variant {
+        let solver = solver.filter(|_| self.scheme != "explicit");
+        Variant {
+            scheme: self.label(),
+            solver: solver.unwrap_or("-").to_owned(),
+            overrides: self.overrides(),
+            ..Variant::default()
+        }
+        .set(solver.map(|name| format!("solver.name=\"{name}\"")))
+    }
+}
