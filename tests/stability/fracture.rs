@@ -120,6 +120,7 @@ fn injection_balances_mass_and_forces() {
     let quick = [
         "output.plots=false",
         "time.end=0.02",
+        "time.max_step=0.02",
         "geometry.spacing=0.04",
     ];
     let (summary, state) = try_run(&plan_of_variant("injection-rate", "smoke", &quick)).unwrap();
@@ -130,6 +131,35 @@ fn injection_balances_mass_and_forces() {
     assert!(
         results.peak_injection_pressure.unwrap() > 1e4,
         "{results:?}"
+    );
+}
+
+/// A crack that grows into another one: where bonds counted for the opening by thresholds, passes went
+/// round in circles; now they are few in every step.
+#[test]
+fn a_crack_that_grows_takes_few_passes_a_step() {
+    let quick = [
+        "output.plots=false",
+        "materials.rock.fracture_energy=20",
+        "cracks.main.injection={rate = \"3e-3 m^2/s\", at = [0, 0.48]}",
+        "time.end=0.2",
+    ];
+    let plan = plan_of_variant("natural-fractures", "smoke", &quick);
+    let (summary, state) = try_run(&plan).unwrap();
+    assert!(finite(&state));
+    assert!(summary.balance.mass < 1e-10, "{}", summary.balance.mass);
+    // 0.15 m and 0.36 m are there from the start, 0.15 m lie between them.
+    let results = summary.results.unwrap();
+    assert!(
+        (0.58..0.70).contains(&results.crack_length),
+        "{}",
+        results.crack_length
+    );
+    let passes = summary.counters.coupling_iterations;
+    assert!(
+        passes <= 10 * summary.steps,
+        "{passes} in {}",
+        summary.steps
     );
 }
 
