@@ -373,13 +373,6 @@ impl<const D: usize> FractureFlowStep<D> {
                 found,
             })
         })?;
-        if std::env::var("PF_TRACE").is_ok() {
-            eprintln!(
-                "    length {:?} slope {slope:.2e} searches {}",
-                reached.as_ref().map(|r| r.length),
-                self.searches
-            );
-        }
         place(
             state,
             reached.as_ref().map_or(0.0, |reached| reached.length),
@@ -451,21 +444,6 @@ impl<const D: usize> FractureFlowStep<D> {
                 .max(REMEMBERED * self.largest)
                 .max(f64::MIN_POSITIVE);
             let left: f64 = at.force.iter().map(|f| f.abs()).sum();
-            if std::env::var("PF_TRACE").is_ok() {
-                eprintln!(
-                    "t={:.5} dt={dt:.2e} pass {pass} left {:.2e} it {} broken {} pmax {:.4e} {:?}",
-                    state.time,
-                    left / scale,
-                    report.iterations,
-                    at.answer.damage.iter().filter(|d| **d > 0.9).count(),
-                    state.pressure.iter().fold(0.0f64, |a, b| a.max(*b)),
-                    std::time::SystemTime::now()
-                        .duration_since(std::time::UNIX_EPOCH)
-                        .unwrap_or_default()
-                        .as_millis()
-                        % 1000000
-                );
-            }
             if !left.is_finite() {
                 return Err(not_finite::<D>(&at.force, state.time));
             }
