@@ -1,27 +1,33 @@
 //! Anderson's method for passes whose coefficients lag behind the displacement.
 
-use perifrac_solvers::dot;
+use perifrac_solvers::{dot, norm2};
 
 use crate::schemes::mixer::smallest;
 
 /// Passes that are remembered.
 const DEPTH: usize = 4;
+/// How far a pass may be carried on beyond its end, in passes.
+const LONGEST: f64 = 8.0;
 
 /// Displacements from which passes started, m, and how far they went; the newest last.
 #[derive(Default)]
 pub struct Acceleration {
     past: Vec<(Vec<f64>, Vec<f64>)>,
+    /// How far the last pass of a crack that runs was carried on, in passes.
+    leap: f64,
 }
 
 impl Acceleration {
     /// Forgets all passes.
     pub fn forget(&mut self) {
         self.past.clear();
+        self.leap = 0.0;
     }
 
     /// Where to go on after a pass led from `start` to `end`; `None` before there are two of them.
     pub fn next(&mut self, start: Vec<f64>, end: &[f64]) -> Option<Vec<f64>> {
-        let went = end.iter().zip(&start).map(|(e, s)| e - s).collect();
+        let went = difference(end, &start);
+        let size = norm2(&went);
         self.past.push((start, went));
         if self.past.len() > DEPTH {
             self.past.remove(0);
@@ -29,35 +35,87 @@ impl Acceleration {
         if self.past.len() < 2 {
             return None;
         }
+        let on = match self.runs() {
+            true => self.leap(),
+            false => self.combined(end),
+        };
+        let length = norm2(&on);
+        let share = if length > LONGEST * size {
+            LONGEST * size / length
+        } else {
+            1.0
+        };
+        Some(end.iter().zip(&on).map(|(e, on)| e + share * on).collect())
+    }
+
+    /// Whether passes go further the further they have come: no common state is near, and the
+    /// combination that goes least leads back to where they were slowest.
+    fn runs(&self) -> bool {
+        let [.., (start, went), (next_start, next_went)] = &self.past[..] else {
+            return false;
+        };
+        let (moved, grown) = (difference(next_start, start), difference(next_went, went));
+        dot(&moved, &grown) > 0.0
+    }
+
+    /// The last pass again, as often as it has gone well.
+    fn leap(&mut self) -> Vec<f64> {
+        self.leap = (2.0 * self.leap).clamp(1.0, LONGEST);
+        let last = self.past.last();
+        last.map_or_else(Vec::new, |(_, went)| {
+            went.iter().map(|w| self.leap * w).collect()
+        })
+    }
+
+    /// From `end` to where the combination of the passes that goes least leads.
+    fn combined(&mut self, end: &[f64]) -> Vec<f64> {
+        self.leap = 0.0;
         let residuals: Vec<Vec<f64>> = self.past.iter().map(|(_, went)| went.clone()).collect();
         let shares = smallest(&residuals, dot);
-        let mut next = vec![0.0; end.len()];
+        let mut on: Vec<f64> = end.iter().map(|e| -e).collect();
         for (share, (start, went)) in shares.iter().zip(&self.past) {
             let terms = start.iter().zip(went);
-            next.iter_mut()
+            on.iter_mut()
                 .zip(terms)
-                .for_each(|(next, (start, went))| *next += share * (start + went));
+                .for_each(|(on, (start, went))| *on += share * (start + went));
         }
-        Some(next)
+        on
     }
+}
+
+fn difference(to: &[f64], from: &[f64]) -> Vec<f64> {
+    to.iter().zip(from).map(|(to, from)| to - from).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn passes(map: impl Fn(&[f64]) -> Vec<f64>, start: &[f64], count: usize) -> Vec<f64> {
+        let mut acceleration = Acceleration::default();
+        let mut u = start.to_vec();
+        for _ in 0..count {
+            let end = map(&u);
+            u = acceleration.next(u, &end).unwrap_or(end);
+        }
+        u
+    }
+
     /// A linear map in two unknowns is solved once its two directions have been seen.
     #[test]
     fn a_linear_map_is_solved_after_as_many_passes_as_unknowns_and_one() {
-        let map = |u: &[f64]| vec![0.9 * u[0] + 1.0, -0.4 * u[1] + 0.2 * u[0]];
-        let exact = [10.0, 2.0 / 1.4];
-        let mut acceleration = Acceleration::default();
-        let mut u = vec![0.0, 0.0];
-        for _ in 0..3 {
-            let end = map(&u);
-            let next = acceleration.next(u, &end);
-            u = next.unwrap_or(end);
-        }
+        let map = |u: &[f64]| vec![0.8 * u[0] + 1.0, -0.4 * u[1] + 0.2 * u[0]];
+        let exact = [5.0, 1.0 / 1.4];
+        let u = passes(map, &[0.0, 0.0], 3);
         assert!((u[0] - exact[0]).abs() < 1e-8 && (u[1] - exact[1]).abs() < 1e-8);
+    }
+
+    /// x' = 0.1 + x² has no fixed point: plain passes need 45 to come from −2 to 2, and the combination
+    /// that goes least would stay near 0 for good.
+    #[test]
+    fn where_there_is_no_fixed_point_passes_are_carried_on() {
+        let map = |u: &[f64]| vec![u[0] + 0.1 * (0.1 + u[0] * u[0])];
+        let u = passes(map, &[-2.0], 25);
+        assert!(u[0] > 2.0, "{}", u[0]);
     }
 }

@@ -75,6 +75,8 @@ const REMEMBERED: f64 = 1e-2;
 const NEAR: f64 = 3e-2;
 /// Share of the imbalance before a pass that may be left by it before something is amiss.
 const SLOW: f64 = 0.7;
+/// Growth of the imbalance in a pass from which what earlier passes taught is forgotten.
+const WORSE: f64 = 2.0;
 /// Growth of damage over the one that is allowed from which a step is given up at once.
 const HOPELESS: f64 = 2.5;
 /// Change of the potential, relative to the energy, that is rounding error.
@@ -463,6 +465,8 @@ impl<const D: usize> FractureFlowStep<D> {
             }
             if imbalance > SLOW * before {
                 self.forcing = (0.1 * self.forcing).max(LEAST_FORCING);
+            }
+            if imbalance > WORSE * before {
                 self.acceleration.forget();
             }
             before = imbalance;
