@@ -222,7 +222,8 @@ impl<const D: usize> Run<'_, D> {
         let mut trial = self.state.clone();
         while let Some(stop) = stops.next() {
             self.check_limits()?;
-            let dt = clamp(control.dt(), stop.time - self.state.time);
+            let allowed = self.allowed(&*scheme).min(control.dt());
+            let dt = clamp(allowed, stop.time - self.state.time);
             let start = Instant::now();
             let outcome = scheme.step(&mut self.model, &self.state, dt, &mut trial);
             self.timers.add("steps", start.elapsed().as_secs_f64());
@@ -314,6 +315,14 @@ impl<const D: usize> Run<'_, D> {
             return Err(RunError::TooManySteps { steps, time, end });
         }
         Ok(())
+    }
+
+    /// Longest step that a scheme may take now, s, where steps are not prescribed.
+    fn allowed(&self, scheme: &dyn Scheme<D>) -> f64 {
+        match (scheme.limit(), self.plan.time.step) {
+            (Some(limit), StepRule::Adaptive) => self.plan.time.safety * limit.dt,
+            _ => f64::INFINITY,
+        }
     }
 
     fn control(&mut self, scheme: &dyn Scheme<D>) -> StepControl {

@@ -2,8 +2,8 @@
 
 use super::{
     Assembled, FlowStage, ForwardEuler, Fracture, FractureFlowStep, Implicit, ImplicitSystem,
-    Monolithic, QuasiStatic, Relaxation, Scheme, SolidSolver, Staggered, StepError, Verlet,
-    coupling_of, flow_of, solid_of,
+    LaggedFracture, Monolithic, QuasiStatic, Relaxation, Scheme, SolidSolver, Staggered, StepError,
+    Verlet, coupling_of, flow_of, solid_of,
 };
 use crate::model::{Drive, Model};
 use crate::plan::{Integrator, Plan, SchemeChoice, StepRule};
@@ -101,7 +101,12 @@ fn solid_alone<const D: usize>(
 
 fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Scheme<D>>, StepError> {
     if let (Some(damage), true) = (plan.damage, model.fracture_flow.is_some()) {
-        return Ok(Box::new(FractureFlowStep::new(plan, damage, model)?));
+        return Ok(match plan.scheme {
+            SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_) => {
+                Box::new(LaggedFracture::new(plan, model)?)
+            }
+            _ => Box::new(FractureFlowStep::new(plan, damage, model)?),
+        });
     }
     let options = plan.scheme_options;
     let parts = (flow_of(model)?, coupling_of(model)?);

@@ -139,6 +139,20 @@ pub enum StepError {
         /// α²/(s(λ+2μ)).
         strength: f64,
     },
+    /// Strain that lags behind the pressure of a fracture would amplify itself.
+    #[error(
+        "coupling unstable at t = {time:.6e} s: fractures yield {strength:.1e} times as much to their \
+         fluid as it gives way itself, and strain that lags behind feeds on itself with \
+         scheme.relaxation = {relaxation}; set scheme.relaxation = 1, or use --scheme monolithic"
+    )]
+    FractureUnstable {
+        /// Time, s.
+        time: f64,
+        /// Factor of the term that stands in for the strain.
+        relaxation: f64,
+        /// Compliance of the fractures over the storage in them.
+        strength: f64,
+    },
     /// Explicit steps amplify errors.
     #[error(
         "explicit step unstable at t = {time:.6e} s: the imbalance grew {growth:.1e} times; Δt = \
@@ -194,6 +208,7 @@ impl StepError {
             StepError::Unstable { .. }
                 | StepError::CouplingUnstable { .. }
                 | StepError::CouplingDiverged { .. }
+                | StepError::FractureUnstable { .. }
                 | StepError::Missing { .. }
                 | StepError::Refused { .. }
                 | StepError::LoosePlate

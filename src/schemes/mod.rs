@@ -33,7 +33,7 @@ pub use build::build;
 pub use control::StepControl;
 pub use error::StepError;
 pub use explicit::ForwardEuler;
-pub use fracture::{Fracture, FractureFlowStep};
+pub use fracture::{Fracture, FractureFlowStep, LaggedFracture};
 pub use implicit::Implicit;
 pub use layout::BlockMatrix;
 pub use limits::{StepLimit, diffusion_limit};

@@ -46,6 +46,18 @@ fn every_bundled_case_is_listed_and_sound() {
 }
 
 #[test]
+fn every_variant_of_a_bundled_case_is_sound() {
+    let place = Place::new();
+    let all = perifrac::cases::CASES.iter();
+    let variants =
+        all.flat_map(|case| case.variants.iter().map(move |(name, _)| (case.name, name)));
+    for (case, variant) in variants {
+        let checked = place.succeed(&["check", &format!("{case}/{variant}")]);
+        assert!(checked.contains("no faults found"), "{checked}");
+    }
+}
+
+#[test]
 fn a_case_that_was_written_runs_from_its_file() {
     let place = Place::new();
     let written = place.succeed(&["cases", "--write", "channel"]);

@@ -5,6 +5,7 @@
 mod support;
 
 mod fracture;
+mod fracture_flow;
 mod poroelastic;
 
 use perifrac::run::RunError;

@@ -4,20 +4,28 @@ use perifrac_solvers::{dot, norm2};
 
 use crate::schemes::mixer::smallest;
 
-/// Passes that are remembered.
-const DEPTH: usize = 4;
 /// How far a pass may be carried on beyond its end, in passes.
 const LONGEST: f64 = 8.0;
 
 /// Displacements from which passes started, m, and how far they went; the newest last.
-#[derive(Default)]
 pub struct Acceleration {
+    /// Passes that are remembered.
+    pub depth: usize,
     past: Vec<(Vec<f64>, Vec<f64>)>,
     /// How far the last pass of a crack that runs was carried on, in passes.
     leap: f64,
 }
 
 impl Acceleration {
+    /// Remembers `depth` passes.
+    pub fn new(depth: usize) -> Self {
+        Acceleration {
+            depth,
+            past: Vec::new(),
+            leap: 0.0,
+        }
+    }
+
     /// Forgets all passes.
     pub fn forget(&mut self) {
         self.past.clear();
@@ -29,9 +37,8 @@ impl Acceleration {
         let went = difference(end, &start);
         let size = norm2(&went);
         self.past.push((start, went));
-        if self.past.len() > DEPTH {
-            self.past.remove(0);
-        }
+        let spare = self.past.len().saturating_sub(self.depth);
+        self.past.drain(..spare);
         if self.past.len() < 2 {
             return None;
         }
@@ -92,7 +99,7 @@ mod tests {
     use super::*;
 
     fn passes(map: impl Fn(&[f64]) -> Vec<f64>, start: &[f64], count: usize) -> Vec<f64> {
-        let mut acceleration = Acceleration::default();
+        let mut acceleration = Acceleration::new(4);
         let mut u = start.to_vec();
         for _ in 0..count {
             let end = map(&u);

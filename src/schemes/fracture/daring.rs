@@ -5,6 +5,8 @@ use crate::plan::DamageMethod;
 
 /// Forces out of balance, relative to all forces, from which Newton's tangent is tried.
 const NEAR: f64 = 3e-2;
+/// Share of a Newton step below which it has failed.
+const SHORTEST: f64 = 0.05;
 /// Iterations without it after it failed.
 const REST: usize = 4;
 
@@ -37,6 +39,14 @@ impl Daring {
         }
     }
 
+    /// Judges a direction by how far it led down; `None` if it did not.
+    pub fn judge(&mut self, tried: Softening, length: Option<f64>) {
+        // An indefinite tangent may lead down by next to nothing for ever.
+        if tried == Softening::Exact && length.is_none_or(|length| length < SHORTEST) {
+            self.failed();
+        }
+    }
+
     /// Newton's tangent led nowhere.
     pub fn failed(&mut self) {
         self.failures += 1;
@@ -54,6 +64,11 @@ mod tests {
         assert_eq!(daring.next(1.0), Softening::Bounded);
         assert_eq!(daring.next(1e-3), Softening::Exact);
         daring.failed();
+        // A step of fair length is no failure, one that leads nowhere is.
+        daring.rest = 0;
+        daring.judge(Softening::Exact, Some(0.3));
+        assert_eq!(daring.next(1e-3), Softening::Exact);
+        daring.judge(Softening::Exact, Some(1e-9));
         for _ in 1..REST {
             assert_eq!(daring.next(1e-3), Softening::Bounded);
         }

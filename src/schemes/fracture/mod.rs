@@ -9,9 +9,11 @@
 
 mod acceleration;
 mod block;
+mod compliance;
 mod daring;
 mod descent;
 mod flow;
+mod lagged;
 mod tangents;
 mod upkeep;
 
@@ -28,6 +30,7 @@ use descent::{Reached, descend};
 use tangents::TangentMatrix;
 
 pub use flow::FractureFlowStep;
+pub use lagged::LaggedFracture;
 
 /// Iterations with damage eliminated.
 pub struct Fracture<const D: usize> {
@@ -221,7 +224,7 @@ impl<const D: usize> Fracture<D> {
         external: &[f64],
         at: &Trial<D>,
         change: &[f64],
-    ) -> Result<Option<Trial<D>>, StepError> {
+    ) -> Result<Option<Reached<Trial<D>>>, StepError> {
         let start = state.displacement.clone();
         let place = |state: &mut State, length: f64| {
             let moved = start.iter().zip(change).map(|(u, c)| u + length * c);
@@ -248,7 +251,7 @@ impl<const D: usize> Fracture<D> {
             state,
             reached.as_ref().map_or(0.0, |reached| reached.length),
         );
-        Ok(reached.map(|reached| reached.found))
+        Ok(reached)
     }
 }
 
@@ -302,10 +305,13 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
             let (change, inner, tried) = self.direction(solid, state, &at, imbalance)?;
             iterations += inner;
             self.newton += 1;
-            match self.search(solid, state, &external, &at, &change)? {
-                Some(next) => at = next,
+            let reached = self.search(solid, state, &external, &at, &change)?;
+            let length = reached.as_ref().map(|reached| reached.length);
+            self.daring.judge(tried, length);
+            match reached {
+                Some(reached) => at = reached.found,
                 // The exact tangent may have led astray; the others always lead down.
-                None if tried == Softening::Exact => self.daring.failed(),
+                None if tried == Softening::Exact => {}
                 None => break,
             }
         }

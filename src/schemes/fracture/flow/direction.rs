@@ -1,0 +1,170 @@
+//! Where the potential falls, and how far.
+
+use perifrac_solvers::{dot, multiply};
+
+use super::{FractureFlowStep, Trial};
+use crate::material::Softening;
+use crate::model::Model;
+use crate::schemes::fracture::damage_of;
+use crate::schemes::fracture::descent::{Reached, descend};
+use crate::schemes::{State, StepError, StepReport, coupling_of, flow_of, solid_of};
+
+/// Residual of the linear systems of the displacement alone, relative to the forces out of balance.
+const FORCING_ALONE: f64 = 1e-3;
+/// Change of the potential, relative to the energy, that is rounding error.
+const ROUNDING: f64 = 1e-13;
+
+/// A straight way from a balanced pressure to another.
+pub(super) struct Way {
+    displacement: Vec<f64>,
+    pressure: Vec<f64>,
+    /// Slope and half the curvature of ½ pᵀMp along it.
+    bend: [f64; 2],
+}
+impl<const D: usize> FractureFlowStep<D> {
+    /// Solution of the linear system at a trial whose pressure is balanced.
+    fn solution(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+        at: &Trial<D>,
+        dt: f64,
+        softening: Softening,
+        report: &mut StepReport,
+    ) -> Result<Way, StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let damage = damage_of(solid)?;
+        self.tangent
+            .update(solid, damage, &state.history, &at.answer, softening);
+        let Some(block) = &mut self.block else {
+            let matrix = self.tangent.matrix.view();
+            if self.upkeep.is_due() {
+                self.solver.refresh(matrix)?;
+                self.upkeep.renew();
+            }
+            let mut displacement = vec![0.0; at.force.len()];
+            let solved =
+                self.solver
+                    .solve_to(matrix, &at.force, &mut displacement, FORCING_ALONE)?;
+            self.upkeep.took(solved.iterations);
+            report.iterations += solved.iterations;
+            // The pressure stands still and is brought to the displacement in the next pass.
+            return Ok(Way {
+                displacement,
+                pressure: vec![0.0; state.pressure.len()],
+                bend: [0.0; 2],
+            });
+        };
+        let stiffness = self.tangent.matrix.data();
+        block.fill(stiffness, solid, flow, coupling, dt);
+        let matrix = block.matrix.view();
+        if self.upkeep.is_due() {
+            self.solver.refresh(matrix)?;
+            self.upkeep.renew();
+        }
+        let (width, scale) = (D + 1, block.layout.scale);
+        let mut rhs = vec![0.0; block.matrix.rows()];
+        for (point, force) in at.force.chunks(D).enumerate() {
+            rhs[point * width..][..D].copy_from_slice(force);
+        }
+        let mut x = vec![0.0; rhs.len()];
+        let solved = self.solver.solve_to(matrix, &rhs, &mut x, self.forcing)?;
+        self.upkeep.took(solved.iterations);
+        report.iterations += solved.iterations;
+        let points = state.pressure.len();
+        let displacement = (0..points)
+            .flat_map(|i| x[i * width..][..D].to_vec())
+            .collect();
+        let pressure: Vec<f64> = (0..points).map(|i| scale * x[i * width + D]).collect();
+        // ½ pᵀMp is that of the free pressures; the push of the prescribed ones is a load.
+        let free = |i: usize, value: f64| if self.is_fixed[i] { 0.0 } else { value };
+        let product = |p: &[f64]| {
+            let free_p: Vec<f64> = (0..p.len()).map(|i| free(i, p[i])).collect();
+            let mut result = vec![0.0; p.len()];
+            multiply(flow.matrix(), &free_p, &mut result);
+            let held = |i: usize| dt * result[i] + flow.capacity[i] * free_p[i];
+            (0..p.len()).map(|i| free(i, held(i))).collect::<Vec<f64>>()
+        };
+        let along = product(&pressure);
+        let bend = [dot(&along, &state.pressure), 0.5 * dot(&along, &pressure)];
+        Ok(Way {
+            displacement,
+            pressure,
+            bend,
+        })
+    }
+
+    /// Direction in which the potential falls, with its tangent.
+    pub(super) fn direction(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+        at: &Trial<D>,
+        dt: f64,
+        imbalance: f64,
+        report: &mut StepReport,
+    ) -> Result<(Way, Softening), StepError> {
+        let softening = self.daring.next(imbalance);
+        let solved = self.solution(model, state, at, dt, softening, report);
+        if softening != Softening::Exact {
+            return Ok((solved?, softening));
+        }
+        if let Ok(way) = solved
+            && dot(&at.force, &way.displacement) > 0.0
+        {
+            return Ok((way, softening));
+        }
+        self.daring.failed();
+        self.upkeep.renew();
+        let way = self.solution(model, state, at, dt, Softening::Bounded, report)?;
+        Ok((way, Softening::Bounded))
+    }
+
+    /// Walks along a way until the potential has fallen enough; `None` if it does not.
+    pub(super) fn search(
+        &mut self,
+        model: &Model<D>,
+        state: &mut State,
+        at: &Trial<D>,
+        way: &Way,
+    ) -> Result<Option<Reached<Trial<D>>>, StepError> {
+        let external = self.external(model, state);
+        let (start, balanced) = (state.displacement.clone(), state.pressure.clone());
+        let place = |state: &mut State, length: f64| {
+            let step = |to: &mut Vec<f64>, from: &[f64], by: &[f64]| {
+                to.clear();
+                to.extend(from.iter().zip(by).map(|(from, by)| from + length * by));
+            };
+            step(&mut state.displacement, &start, &way.displacement);
+            step(&mut state.pressure, &balanced, &way.pressure);
+        };
+        let work = dot(&external, &way.displacement);
+        let shares = &at.answer.hourglass;
+        let high = at.answer.energy(shares);
+        let slope = dot(&at.force, &way.displacement);
+        let reached = descend(slope, ROUNDING * high.abs(), |length| {
+            place(state, length);
+            let found = self.evaluate(model, state)?;
+            let flow = length * (way.bend[0] + length * way.bend[1]);
+            Ok(Reached {
+                length,
+                fallen: high - found.answer.energy(shares) + length * work - flow,
+                left: dot(&found.force, &way.displacement),
+                found,
+            })
+        })?;
+        place(
+            state,
+            reached.as_ref().map_or(0.0, |reached| reached.length),
+        );
+        Ok(reached)
+    }
+
+    /// Loads, and the push of pressures that do not change along a way.
+    fn external(&self, model: &Model<D>, state: &State) -> Vec<f64> {
+        let still = |i: usize| self.block.is_none() || self.is_fixed[i];
+        let prescribed = |i: usize| if still(i) { state.pressure[i] } else { 0.0 };
+        let pressure: Vec<f64> = (0..state.pressure.len()).map(prescribed).collect();
+        model.push(state.time, &pressure)
+    }
+}

@@ -1,0 +1,275 @@
+//! Backward Euler steps in which rock breaks, fluid flows in what is broken, and both are solved
+//! together or in turns.
+//!
+//! For the coefficients of flow as they are the pressure is eliminated exactly: with
+//! M = S + Δt L and M p = b − Q(u − u₀) the displacement minimises
+//!
+//!   E(u) − f·u + ½ pᵀ M p,
+//!
+//! whose derivative is the force out of balance at that pressure. Every pass brings coefficients and
+//! pressure to the displacement, and walks down this potential along the solution of the coupled
+//! linear system. It ends when forces balance at coefficients and pressure that belong to the
+//! displacement itself, so the residual covers damage, opening, permeability and mass alike. In turns
+//! the pressure stands still while the displacement moves, which is enough where the pressure hardly
+//! depends on it, as in a crack of prescribed pressure.
+
+mod direction;
+mod passes;
+
+use perifrac_solvers::{
+    Coordinates, Demand, LinearSolver, NearNullspace, PRECONDITIONERS, PreconditionerInfo, Problem,
+    SolverSpec, Symmetry,
+};
+
+use super::acceleration::Acceleration;
+use super::block::FractureBlock;
+use super::compliance::Compliance;
+use super::daring::Daring;
+use super::tangents::TangentMatrix;
+use super::upkeep::Upkeep;
+use crate::model::Model;
+use crate::operators::Answer;
+use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
+use crate::schemes::implicit::weigh;
+use crate::schemes::quasi_static::{advance, growth};
+use crate::schemes::solid::{Chosen, build_solver, ratio};
+use crate::schemes::{
+    ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
+    solid_of,
+};
+pub use passes::taken;
+use passes::{FORCING, SHALLOW};
+
+/// Flow and fracture together.
+pub struct FractureFlowStep<const D: usize> {
+    solver: Box<dyn LinearSolver>,
+    chosen: Chosen,
+    /// The matrix of both fields; `None` where they take turns.
+    block: Option<FractureBlock>,
+    is_fixed: Vec<bool>,
+    flow: ImplicitSystem,
+    tangent: TangentMatrix<D>,
+    plan: DamagePlan,
+    name: String,
+    /// Largest forces so far, N.
+    largest: f64,
+    /// Velocity of the last trial and of the last accepted step, m/s: where the next one starts.
+    rates: [Vec<f64>; 2],
+    /// Residual of the linear systems: smaller where passes turn out to suffer from it.
+    forcing: f64,
+    upkeep: Upkeep,
+    acceleration: Acceleration,
+    daring: Daring,
+    /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
+    cut_above: f64,
+    /// What fractures yield, where fields take turns.
+    compliance: Compliance,
+    /// Factor of that.
+    relaxation: f64,
+    /// Solver of the solid that measures it.
+    demand: Demand,
+    /// Whether it stands in for the strain to come.
+    splits: bool,
+    /// Unit of the pressure beside the displacement, m/Pa.
+    unit: f64,
+    passes: u64,
+    searches: u64,
+    products: u64,
+}
+
+/// Pressure and displacement with what they leave out of balance.
+struct Trial<const D: usize> {
+    answer: Answer<D>,
+    /// Forces out of balance, N.
+    force: Vec<f64>,
+    /// Σ of the absolute forces, N.
+    scale: f64,
+}
+
+impl<const D: usize> FractureFlowStep<D> {
+    /// Chooses and analyses the solvers once.
+    ///
+    /// # Errors
+    /// [`StepError`] if a solver is refused, or if the scene has what this scheme cannot do.
+    pub fn new(plan: &Plan, damage: DamagePlan, model: &Model<D>) -> Result<Self, StepError> {
+        check_scene(plan, model)?;
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let together = !matches!(plan.scheme, SchemeChoice::Staggered(_));
+        let block = together
+            .then(|| FractureBlock::new(flow, solid, coupling))
+            .transpose()?;
+        let coordinates = model.cloud.flat_positions();
+        let scale = block.as_ref().map_or(1.0, |block| block.layout.scale);
+        let schur: Vec<f64> = coupling
+            .fixed_stress
+            .iter()
+            .map(|b| scale * scale * b)
+            .collect();
+        let plain = match &block {
+            Some(block) => Problem {
+                schur_diagonal: Some(&schur),
+                ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
+            },
+            None => Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D),
+        };
+        let problem = Problem {
+            solves: 1,
+            contrast: ratio(flow.mobility.iter().copied()),
+            coordinates: Some(Coordinates {
+                dimension: D,
+                values: &coordinates,
+            }),
+            near_nullspace: NearNullspace::RigidModes,
+            ..plain
+        };
+        let demand = plan.fracture_demand();
+        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let part = perifrac_solvers::Demand {
+            spec: part_of(&demand.spec)?,
+            ..demand
+        };
+        Ok(FractureFlowStep {
+            solver,
+            chosen,
+            is_fixed: flow.fixed_mask(),
+            name: match together {
+                true => "monolithic (backward-euler, damage)".to_owned(),
+                false => "staggered (backward-euler, damage)".to_owned(),
+            },
+            block,
+            flow: ImplicitSystem::new(&part, flow)?,
+            tangent: TangentMatrix::new(solid),
+            plan: damage,
+            largest: 0.0,
+            rates: [Vec::new(), Vec::new()],
+            forcing: FORCING,
+            upkeep: Upkeep::default(),
+            acceleration: Acceleration::new(SHALLOW),
+            daring: Daring::new(damage.method),
+            cut_above: match plan.time.step {
+                StepRule::Fixed(_) => f64::INFINITY,
+                StepRule::Adaptive => damage.shortest_step,
+            },
+            compliance: Compliance::default(),
+            relaxation: plan.scheme_options.relaxation,
+            demand: plan.fracture_demand(),
+            splits: false,
+            unit: 1.0,
+            passes: 0,
+            searches: 0,
+            products: 0,
+        })
+    }
+}
+
+/// Solver of flow alone: the one of the whole, unless its preconditioner is for both fields only.
+fn part_of(spec: &SolverSpec) -> Result<SolverSpec, StepError> {
+    let chosen = spec
+        .options()
+        .iter()
+        .find(|(key, _)| key == "preconditioner");
+    let info = PRECONDITIONERS
+        .iter()
+        .find(|info| chosen.is_some_and(|(_, name)| name == info.name));
+    let suits = |info: &PreconditionerInfo| info.symmetries.contains(&Symmetry::PositiveDefinite);
+    Ok(match info.is_none_or(suits) {
+        true => spec.clone(),
+        false => "auto".parse::<SolverSpec>()?,
+    })
+}
+/// Refuses what no scheme can do where rock that breaks conducts fluid.
+///
+/// # Errors
+/// [`StepError::Refused`] with the remedy.
+pub fn check_scene<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<(), StepError> {
+    let refused = |reason| {
+        Err(StepError::Refused {
+            scheme: "flow in fractures",
+            reason,
+        })
+    };
+    if !solid_of(model)?.walls.is_empty() {
+        return refused("sides do not move in it; use roller, clamped or traction");
+    }
+    if plan.gravity.is_some() {
+        return refused("gravity does not act in it yet; leave [gravity] out");
+    }
+    if !flow_of(model)?.stabilisation.is_empty() {
+        return refused("it has no stabilisation; set coupling.stabilisation = 0");
+    }
+    Ok(())
+}
+impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn local_order(&self) -> f64 {
+        2.0
+    }
+
+    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+        if !coupling_of(model)?.undrained_start {
+            return Ok(());
+        }
+        let old = state.clone();
+        self.solve(model, &old, 0.0, state, &mut StepReport::default())?;
+        advance(model, state);
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        model: &mut Model<D>,
+        old: &State,
+        dt: f64,
+        trial: &mut State,
+    ) -> Result<StepReport, StepError> {
+        let mut report = StepReport::default();
+        trial.clone_from(old);
+        trial.time = old.time + dt;
+        for (u, rate) in trial.displacement.iter_mut().zip(&self.rates[1]) {
+            *u += dt * rate;
+        }
+        self.solve(model, old, dt, trial, &mut report)?;
+        trial.check()?;
+        self.rates[0].clear();
+        let moved = trial.displacement.iter().zip(&old.displacement);
+        self.rates[0].extend(moved.map(|(new, old)| (new - old) / dt));
+        let flow = flow_of(model)?;
+        let mut imbalance = vec![0.0; flow.points()];
+        flow.imbalance(trial.time, &trial.pressure, &mut imbalance);
+        let taken = taken(model, old, trial)?;
+        report.flows = weigh(flow, &[(dt, &trial.pressure, trial.time, &imbalance)]);
+        report.flows.fixed += flow
+            .fixed
+            .iter()
+            .map(|fixed| taken[fixed.point])
+            .sum::<f64>();
+        report.stored = Some(taken.iter().sum());
+        advance(model, trial);
+        report.growth = growth(model, old, trial);
+        Ok(report)
+    }
+
+    fn accept(&mut self) {
+        let [trial, accepted] = &mut self.rates;
+        std::mem::swap(trial, accepted);
+    }
+
+    fn counters(&self) -> SchemeCounters {
+        SchemeCounters {
+            products: self.products,
+            solver: self.solver.counters().clone(),
+            coupling_iterations: self.passes,
+            searches: self.searches,
+            fallbacks: self.daring.failures,
+            refilled_families: self.tangent.refilled,
+            ..SchemeCounters::default()
+        }
+    }
+
+    fn solver(&self) -> Option<(String, String)> {
+        Some(self.chosen.clone())
+    }
+}

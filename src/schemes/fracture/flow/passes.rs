@@ -1,0 +1,319 @@
+//! Passes between coefficients, pressure and displacement until forces balance.
+
+use perifrac_solvers::norm2;
+
+use super::super::not_finite;
+use super::{FractureFlowStep, Trial};
+use crate::material::Softening;
+use crate::model::Model;
+use crate::operators::Answer;
+use crate::schemes::fracture::{Fracture, damage_of};
+use crate::schemes::{SolidSolver, State, StepError, StepReport, flow_of, solid_of};
+
+/// Forces out of balance, relative to all, from which passes are taken to contract.
+const NEAR: f64 = 3e-2;
+/// Share of the imbalance before a pass that may be left by it before something is amiss.
+const SLOW: f64 = 0.7;
+/// Growth of the imbalance in a pass from which what earlier passes taught is forgotten.
+const WORSE: f64 = 2.0;
+/// Growth of damage over the one that is allowed from which a step is given up at once.
+const HOPELESS: f64 = 2.5;
+/// Share of the largest force so far that still counts as a scale.
+const REMEMBERED: f64 = 1e-2;
+/// Residual of the coupled linear systems at first, and the smallest. A crack that is full answers to
+/// a wrong volume with a pressure that is wrong by the ratio of its compliance to that of the fluid.
+pub const FORCING: f64 = 1e-4;
+const LEAST_FORCING: f64 = 1e-8;
+/// Passes that are remembered where coefficients lag, and where the pressure has modes of its own, which
+/// the compliance fits more or less.
+pub const SHALLOW: usize = 4;
+const DEEP: usize = 10;
+/// Compliance of fractures over the storage in them below which the pressure hardly answers to the strain,
+/// and is brought to it in every pass.
+const WEAK: f64 = 0.1;
+/// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
+const OWED: f64 = 1e-7;
+
+/// Where the passes of a step stand.
+struct Watch {
+    /// Smallest imbalance so far.
+    best: f64,
+    /// That of the pass before.
+    before: f64,
+    /// Share of the volume taken up that the pressure owes to the strain.
+    owed: f64,
+}
+
+impl<const D: usize> FractureFlowStep<D> {
+    pub(super) fn evaluate(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+    ) -> Result<Trial<D>, StepError> {
+        let answer = solid_of(model)?
+            .answer(&state.displacement, &state.walls, &state.history)
+            .ok_or(StepError::Missing { part: "[damage]" })?;
+        self.searches += 1;
+        weigh_forces(model, state, answer)
+    }
+
+    /// What the pores must still take up over the step, zero where the pressure is prescribed, and what
+    /// they took, Σ of absolutes; m^D.
+    fn shortfall(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        state: &State,
+        dt: f64,
+    ) -> Result<(Vec<f64>, f64), StepError> {
+        let flow = flow_of(model)?;
+        let mut left = vec![0.0; flow.points()];
+        flow.imbalance(state.time, &state.pressure, &mut left);
+        self.products += 1;
+        let taken = taken(model, old, state)?;
+        for (i, left) in left.iter_mut().enumerate() {
+            *left = match self.is_fixed[i] {
+                true => 0.0,
+                false => dt * *left - taken[i],
+            };
+        }
+        Ok((left, taken.iter().map(|t| t.abs()).sum()))
+    }
+
+    /// Brings the pressure to the displacement: all the way where both are solved together, else with the
+    /// compliance of the fractures, which stands in for the strain that the pressure will cause. Gives the
+    /// iterations, and the share of the volume taken up that is owed to that strain.
+    fn balance(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        state: &mut State,
+        dt: f64,
+    ) -> Result<(usize, f64), StepError> {
+        let flow = flow_of(model)?;
+        let (left, taken) = self.shortfall(model, old, state, dt)?;
+        self.flow.forget(flow);
+        let split = match self.splits {
+            true => &self.compliance.storage[..],
+            false => &[],
+        };
+        let mut storage = flow.capacity.clone();
+        let pairs = storage.iter_mut().zip(split);
+        pairs.for_each(|(storage, split)| *storage += split);
+        self.flow.prepare(flow, &storage, dt, &[])?;
+        let mut change = vec![0.0; left.len()];
+        let iterations = self.flow.solve(flow, &left, &mut change)?;
+        let pairs = state.pressure.iter_mut().zip(&change);
+        pairs.for_each(|(p, c)| *p += c);
+        let pairs = split.iter().zip(&change);
+        let owed: f64 = pairs.map(|(b, c)| (b * c).abs()).sum();
+        Ok((iterations, owed / taken.max(f64::MIN_POSITIVE)))
+    }
+
+    /// Brings the compliance of the fractures to those of the last step, where fields take turns and the
+    /// pressure answers to the strain.
+    fn follow_compliance(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        state: &State,
+    ) -> Result<usize, StepError> {
+        if self.block.is_some() {
+            return Ok(0);
+        }
+        let (demand, plan) = (&self.demand, self.plan);
+        let solid =
+            |raised: &mut State| Fracture::new(demand, model, plan)?.equilibrate(model, raised);
+        let iterations = self.compliance.follow(model, old, self.relaxation, solid)?;
+        let (moved, pressed) = (norm2(&state.displacement), norm2(&state.pressure));
+        self.splits = self.compliance.strength > WEAK;
+        self.acceleration.depth = if self.splits { DEEP } else { SHALLOW };
+        if moved > 0.0 && pressed > 0.0 {
+            self.unit = moved / pressed;
+        }
+        Ok(iterations)
+    }
+
+    /// Whether so much has broken since `old` that the step will be rejected: a crack that runs takes many
+    /// passes, which are better spent on the step that keeps it.
+    fn runs(&self, model: &Model<D>, old: &State, at: &Trial<D>) -> Result<bool, StepError> {
+        let before = damage_of(solid_of(model)?)?.of(&old.history);
+        let pairs = at.answer.damage.iter().zip(&before);
+        let growth = pairs.map(|(now, before)| now - before).fold(0.0, f64::max);
+        Ok(growth > HOPELESS * self.plan.largest_increment)
+    }
+
+    /// Goes on from a pass that led from `start` to the state; false if it stays there. The coefficients
+    /// of flow lag behind, so near the end passes contract linearly, and the energy says nothing of it.
+    fn accelerate(
+        &mut self,
+        start: Vec<f64>,
+        state: &mut State,
+        length: f64,
+        imbalance: f64,
+    ) -> bool {
+        // A shortened or stretched pass is no pass of the same map.
+        if imbalance > NEAR || (length - 1.0).abs() > 0.0 {
+            self.acceleration.forget();
+            return false;
+        }
+        let end = self.unknowns(state);
+        let next = self.acceleration.next(start, &end);
+        let goes_on = next.is_some();
+        if let Some(next) = next {
+            self.set_unknowns(&next, state);
+        }
+        goes_on
+    }
+
+    /// What passes move: the displacement, and the pressure where that is no function of it, in units
+    /// that make both count alike.
+    fn unknowns(&self, state: &State) -> Vec<f64> {
+        let pressure = state.pressure.iter().map(|p| self.unit * p);
+        let pressure = pressure.take(if self.splits { usize::MAX } else { 0 });
+        state.displacement.iter().copied().chain(pressure).collect()
+    }
+
+    fn set_unknowns(&self, unknowns: &[f64], state: &mut State) {
+        let (displacement, pressure) = unknowns.split_at(state.displacement.len());
+        state.displacement.copy_from_slice(displacement);
+        let pairs = state.pressure.iter_mut().zip(pressure);
+        pairs.for_each(|(p, own)| *p = own / self.unit);
+    }
+
+    /// Passes until forces balance.
+    pub(super) fn solve(
+        &mut self,
+        model: &mut Model<D>,
+        old: &State,
+        dt: f64,
+        state: &mut State,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        flow_of(model)?.fix_values(state.time, &mut state.pressure);
+        let mut found = self.evaluate(model, state)?;
+        let mut watch = Watch {
+            best: f64::INFINITY,
+            before: f64::INFINITY,
+            owed: 0.0,
+        };
+        self.acceleration.forget();
+        self.forcing = (10.0 * self.forcing).min(FORCING);
+        for pass in 0..=self.plan.iterations {
+            model.follow_fractures(&found.answer, &state.displacement, &state.walls);
+            if pass == 0 {
+                report.iterations += self.follow_compliance(model, old, state)?;
+            }
+            let start = self.unknowns(state);
+            let (iterations, owed) = self.balance(model, old, state, dt)?;
+            report.iterations += iterations;
+            watch.owed = owed;
+            // The displacement stands still, so the solid's own answer is the same.
+            let at = weigh_forces(model, state, found.answer)?;
+            let imbalance = self.imbalance(&at, state.time)?;
+            if imbalance <= self.plan.tolerance {
+                if watch.owed <= OWED {
+                    return Ok(());
+                }
+                // Forces that are balanced to the last bits give no direction.
+                if imbalance <= BALANCED * self.plan.tolerance {
+                    found = match self.accelerate(start, state, 1.0, imbalance) {
+                        true => self.evaluate(model, state)?,
+                        false => at,
+                    };
+                    continue;
+                }
+            }
+            if dt > self.cut_above && self.runs(model, old, &at)? {
+                return Err(StepError::Runs {
+                    time: state.time,
+                    most: self.plan.largest_increment,
+                });
+            }
+            watch.best = watch.best.min(imbalance);
+            if pass == self.plan.iterations {
+                break;
+            }
+            self.react(&mut watch, imbalance);
+            let (way, tried) = self.direction(model, state, &at, dt, imbalance, report)?;
+            self.passes += 1;
+            let reached = self.search(model, state, &at, &way)?;
+            let length = reached.as_ref().map(|reached| reached.length);
+            self.daring.judge(tried, length);
+            let Some(reached) = reached else {
+                if tried != Softening::Exact {
+                    break;
+                }
+                // The exact tangent may have led astray; the others always lead down.
+                found = at;
+                continue;
+            };
+            found = match self.accelerate(start, state, reached.length, imbalance) {
+                true => self.evaluate(model, state)?,
+                false => reached.found,
+            };
+        }
+        Err(StepError::NotBroken {
+            time: state.time,
+            residual: watch.best,
+            tolerance: self.plan.tolerance,
+            iterations: self.passes as usize,
+        })
+    }
+
+    /// Forces out of balance, relative to all forces.
+    fn imbalance(&mut self, at: &Trial<D>, time: f64) -> Result<f64, StepError> {
+        self.largest = self.largest.max(at.scale);
+        let scale = at.scale.max(REMEMBERED * self.largest);
+        let left: f64 = at.force.iter().map(|f| f.abs()).sum();
+        match left.is_finite() {
+            true => Ok(left / scale.max(f64::MIN_POSITIVE)),
+            false => Err(not_finite::<D>(&at.force, time)),
+        }
+    }
+
+    /// Learns from how the last pass went.
+    fn react(&mut self, watch: &mut Watch, imbalance: f64) {
+        if imbalance > SLOW * watch.before {
+            self.forcing = (0.1 * self.forcing).max(LEAST_FORCING);
+        }
+        if imbalance > WORSE * watch.before {
+            self.acceleration.forget();
+        }
+        watch.before = imbalance;
+    }
+}
+
+/// Share of the tolerance at which forces are as balanced as they get.
+const BALANCED: f64 = 1e-3;
+
+/// Forces out of balance of an answer under the pressure of a state.
+fn weigh_forces<const D: usize>(
+    model: &Model<D>,
+    state: &State,
+    answer: Answer<D>,
+) -> Result<Trial<D>, StepError> {
+    let mut force = model.push(state.time, &state.pressure);
+    let scale = force.iter().map(|f| f.abs()).sum();
+    solid_of(model)?.subtract_answer(&answer, &mut force);
+    Ok(Trial {
+        answer,
+        force,
+        scale,
+    })
+}
+
+/// What the pores took up since `old`, at the coefficients of now, m^D.
+pub fn taken<const D: usize>(
+    model: &Model<D>,
+    old: &State,
+    state: &State,
+) -> Result<Vec<f64>, StepError> {
+    let flow = flow_of(model)?;
+    let step = state.since(old);
+    let mut taken = model.content(&step.displacement, &step.walls);
+    for (i, taken) in taken.iter_mut().enumerate() {
+        *taken += flow.capacity[i] * step.pressure[i];
+    }
+    Ok(taken)
+}

@@ -1,0 +1,162 @@
+//! Fluid in rock that breaks, under all schemes: what is full, closed, cut off or conducts ten thousand
+//! million times as well as the rock.
+
+use perifrac::plan::{Plan, StepRule};
+use perifrac::run::{RunError, Summary};
+use perifrac::schemes::{State, StepError};
+
+use crate::support::{extremes, largest_difference, plan_of_variant, try_run};
+
+/// A crack that fluid is pumped into, 288 points.
+fn pumped(overrides: &[&str]) -> Plan {
+    let quick = ["output.plots=false", "geometry.spacing=0.04"];
+    plan_of_variant("injection-rate", "smoke", &[&quick[..], overrides].concat())
+}
+
+fn with_step(mut plan: Plan, step: f64, steps: usize) -> Plan {
+    plan.time.step = StepRule::Fixed(step);
+    plan.time.max_step = None;
+    plan.time.end = step * steps as f64;
+    plan
+}
+
+/// Largest difference of the pressures, relative to the largest pressure.
+fn apart((_, state): &(Summary, State), (_, reference): &(Summary, State)) -> f64 {
+    largest_difference(&state.pressure, &reference.pressure) / extremes(&reference.pressure).1
+}
+
+#[test]
+fn a_pumped_crack_is_the_same_in_turns_and_both_at_once() {
+    let run = |scheme: &str| try_run(&pumped(&["time.end=0.2", scheme])).unwrap();
+    let both = run("scheme.name=monolithic");
+    let turns = run("scheme.name=staggered");
+    assert!(apart(&turns, &both) < 1e-4, "{}", apart(&turns, &both));
+    let (summary, steps) = (&turns.0, turns.0.steps);
+    assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
+    let passes = summary.counters.coupling_iterations;
+    assert!(passes <= 40 * steps, "{passes} passes in {steps} steps");
+}
+
+/// Algorithm 3 with the compliance of the fracture: of first order in the step.
+#[test]
+fn lagging_schemes_come_to_the_monolithic_pressure_as_steps_shrink() {
+    let run = |scheme: &str, split: usize| {
+        let plan = pumped(&[scheme, "scheme.adr_tolerance=1e-5"]);
+        try_run(&with_step(plan, 1e-4 / split as f64, 40 * split)).unwrap()
+    };
+    let exact = run("scheme.name=monolithic", 5);
+    for scheme in ["scheme.name=semi-implicit", "scheme.name=explicit"] {
+        let [coarse, fine] = [1, 5].map(|split| {
+            let found = run(scheme, split);
+            assert_eq!(found.0.steps as usize, 40 * split);
+            (apart(&found, &exact), found.0.balance.mass)
+        });
+        assert!(
+            coarse.0 < 0.2 && fine.0 < 0.05,
+            "{scheme}: {coarse:?} {fine:?}"
+        );
+        assert!(
+            fine.0 < 0.5 * coarse.0 && fine.1 < 0.5 * coarse.1,
+            "{scheme}: {coarse:?} {fine:?}"
+        );
+    }
+}
+
+/// The coupling as Algorithm 3 writes it: a full crack yields hundreds of times as much as its fluid.
+#[test]
+fn the_coupling_of_the_paper_is_refused_by_name_in_a_full_crack() {
+    for scheme in ["explicit", "semi-implicit", "staggered"] {
+        let scheme = format!("scheme.name={scheme}");
+        let plan = with_step(pumped(&["scheme.relaxation=0", &scheme]), 1e-4, 10);
+        let Err(RunError::Step { source, .. }) = try_run(&plan) else {
+            panic!("{scheme}: lagged strain cannot be stable here");
+        };
+        assert!(
+            matches!(source, StepError::FractureUnstable { strength, .. } if strength > 100.0),
+            "{source}"
+        );
+    }
+}
+
+/// The compliance raises the limit of explicit steps, and they follow the crack as it opens.
+#[test]
+fn explicit_steps_keep_below_a_limit_that_falls_as_the_crack_opens() {
+    let run = |end: &str| {
+        try_run(&pumped(&[
+            "scheme.name=explicit",
+            "time.first_step=0.001",
+            end,
+        ]))
+        .unwrap()
+    };
+    let (early, _) = run("time.end=0.02");
+    let (late, state) = run("time.end=0.05");
+    let [first, last] = [&early, &late].map(|summary| summary.limit.as_ref().unwrap().dt);
+    assert!(last < first, "{first} {last}");
+    assert!(extremes(&state.pressure).1.is_finite());
+    assert!(late.steps as f64 > 0.05 / first, "{} steps", late.steps);
+}
+
+/// The pressure in a crack rises and falls: what opened closes again, and nothing heals.
+#[test]
+fn a_crack_that_closes_conducts_like_the_rock_again() {
+    let cycle = |end: &str| {
+        let pressure = "cracks.main={kind = \"damaged\", points = [[0, 0.48], [0.15, 0.48]], \
+                        pressure = {time = [0, 0.1, 0.2], value = [0, 1.2e5, 0]}}";
+        let plan = pumped(&[pressure, end, "time.first_step=0.02", "time.max_step=0.02"]);
+        try_run(&plan).unwrap()
+    };
+    let (open, closed) = (cycle("time.end=0.1"), cycle("time.end=0.2"));
+    let size = |(_, state): &(Summary, State)| {
+        let largest = state.displacement.iter().map(|u| u.abs());
+        largest.fold(0.0, f64::max)
+    };
+    assert!(
+        size(&open) > 1e-5 && size(&closed) < 0.05 * size(&open),
+        "{} {}",
+        size(&open),
+        size(&closed)
+    );
+    let pairs = closed.1.history.iter().zip(&open.1.history);
+    assert!(pairs.into_iter().all(|(after, before)| after >= before));
+    assert!(closed.0.balance.mass < 1e-6, "{}", closed.0.balance.mass);
+}
+
+#[test]
+fn a_fracture_that_conducts_1e10_times_as_well_keeps_bounds_and_mass() {
+    let pressure =
+        "cracks.main={kind = \"damaged\", points = [[0, 0.48], [0.15, 0.48]], pressure = 1e5}";
+    for contrast in ["1e-8 m^2", "1e-5 m^2", "1e-2 m^2"] {
+        let permeability = format!("fracture_flow.permeability={contrast:?}");
+        let plan = pumped(&[pressure, &permeability, "time.end=0.1"]);
+        let (summary, state) = try_run(&plan).unwrap();
+        let (low, high) = extremes(&state.pressure);
+        assert!(
+            low > -1e-3 * high && high <= 1e5 * (1.0 + 1e-6),
+            "{contrast}: {low} {high}"
+        );
+        assert!(
+            summary.balance.mass < 1e-6,
+            "{contrast}: {}",
+            summary.balance.mass
+        );
+    }
+}
+
+/// A crack round a single point leaves it no bond: refused before anything is assembled.
+#[test]
+fn a_point_that_loses_all_its_bonds_is_named() {
+    let around = "cracks.box={points = [[0.7e-3, 0.7e-3], [0.75e-3, 0.7e-3], [0.75e-3, 0.75e-3], \
+                  [0.7e-3, 0.75e-3], [0.7e-3, 0.7e-3]]}";
+    let plan = plan_of_variant(
+        "notched-tension",
+        "smoke",
+        &["output.plots=false", "geometry.points=[20, 20]", around],
+    );
+    let error = try_run(&plan).err().map(|error| error.to_string());
+    let error = error.unwrap_or_default();
+    assert!(
+        error.contains("singular shape tensor") && error.contains("0.000725"),
+        "{error}"
+    );
+}
