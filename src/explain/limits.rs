@@ -51,10 +51,12 @@ fn diffusion(plan: &Plan, flow: &FlowSample) -> Limit {
         Some(_) if !inertia => "Δx²·(s + β α²/(λ + 2μ/D))/κ",
         _ => "Δx²·s/κ",
     };
-    let what = format!(
-        "diffusion {}: {time} is smallest there; the run itself uses the operator's own eigenvalue",
-        at(&flow.limit)
-    );
+    let run = match plan.fracture_flow {
+        Some(_) => "the run itself keeps to a tenth of it, and steps shrink as fractures open",
+        None => "the run itself uses the operator's own eigenvalue",
+    };
+    let place = at(&flow.limit);
+    let what = format!("diffusion {place}: {time} is smallest there; {run}");
     limit(plan, "explicit", &flow.limit, what)
 }
 

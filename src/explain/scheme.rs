@@ -62,15 +62,24 @@ fn coupled(plan: &Plan, steps: &str) -> Reason {
             "flow and solid in one system",
         ),
     };
-    let damage = plan.damage.map_or(String::new(), |damage| {
-        format!("damage by {}, ", damage.method.name())
-    });
+    let damage = match plan.damage {
+        Some(damage) if !relaxes(plan) => format!("damage by {}, ", damage.method.name()),
+        _ => String::new(),
+    };
     reason(name, format!("{how}, {damage}{steps}"))
+}
+
+/// Whether the solid relaxes, so that damage has no iterations of its own.
+fn relaxes(plan: &Plan) -> bool {
+    matches!(
+        plan.scheme,
+        SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_)
+    )
 }
 
 /// How the solid comes to rest.
 fn solid(plan: &Plan) -> &'static str {
-    if let Some(damage) = &plan.damage {
+    if let (Some(damage), false) = (&plan.damage, relaxes(plan)) {
         return damage.method.name();
     }
     match (plan.scheme, plan.scheme_options.solid) {
@@ -85,8 +94,9 @@ fn solid(plan: &Plan) -> &'static str {
 
 fn steps(plan: &Plan) -> String {
     let steps = undamaged_steps(plan);
+    let keeps_to_limit = plan.scheme == SchemeChoice::Explicit && plan.flow.is_some();
     match (plan.time.step, &plan.damage) {
-        (StepRule::Adaptive, Some(damage)) => format!(
+        (StepRule::Adaptive, Some(damage)) if !keeps_to_limit => format!(
             "{steps}, cut where damage grows by more than {} in one",
             damage.largest_increment
         ),

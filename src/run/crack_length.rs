@@ -34,16 +34,24 @@ pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
 pub fn grown<const D: usize>(solid: &SolidModel<D>, broken: impl Fn(usize) -> bool) -> f64 {
     let around = &solid.elastic.around;
     let (families, volume) = (&around.families, &around.cloud.volume);
+    let ends = |i: usize| families.family(i).map(|bond| families.neighbour(bond));
+    // All that a point sees, itself included.
+    let seen = |i: usize| volume[i] + ends(i).map(|end| volume[end]).sum::<f64>();
     let (mut thin, mut band) = (0.0, 0.0);
     for i in (0..families.len()).filter(|i| broken(*i)) {
-        let ends = families.family(i).map(|bond| families.neighbour(bond));
-        let near: f64 = ends.filter(|end| broken(*end)).map(|end| volume[end]).sum();
+        let near: f64 = ends(i)
+            .filter(|end| broken(*end))
+            .map(|end| volume[end])
+            .sum();
+        // Points whose centre is within the horizon fill more or less than its ball; points at a side
+        // see less than those around them.
+        let all = ends(i).map(seen).fold(seen(i), f64::max);
         let horizon = families.horizon[i];
-        let through = match D {
-            2 => 2.0 * horizon,
-            _ => PI * horizon * horizon,
+        let (through, ball) = match D {
+            2 => (2.0 * horizon, PI * horizon.powi(2)),
+            _ => (PI * horizon.powi(2), 4.0 / 3.0 * PI * horizon.powi(3)),
         };
-        thin += volume[i] * through / (volume[i] + near);
+        thin += volume[i] * through * all / (ball * (volume[i] + near));
         band += volume[i] / horizon;
     }
     length(D, thin, band)
@@ -87,7 +95,39 @@ fn excess(dimension: usize, width: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::plan::resolve;
+    use crate::report::Timers;
+    use crate::scene::load_str;
+
+    /// Half a metre of two and of four rows, in the middle and along a side, with horizons that see 12,
+    /// 20 and 28 points.
+    #[test]
+    fn rows_of_broken_points_are_as_long_as_they_are() {
+        let text = include_str!("../../cases/natural-fractures/scene.toml");
+        for ratio in [2.0, 2.3, 3.0] {
+            let small = [
+                "geometry.size=[\"0.8 m\", \"2 m\"]".to_owned(),
+                "geometry.spacing=\"2 cm\"".to_owned(),
+                format!("horizon.ratio={ratio}"),
+            ];
+            let loaded = load_str("rows", text, Path::new(""), &small).unwrap();
+            let model =
+                Model::<2>::build(&resolve(&loaded, "rows").unwrap(), &mut Timers::default());
+            let model = model.unwrap();
+            let solid = model.solid.as_ref().unwrap();
+            for rows in [1.0, 2.0] {
+                let broken = |i: usize| {
+                    let place = model.cloud.position[i];
+                    (0.1..0.6).contains(&place[0]) && (place[1] - 1.0).abs() < 0.02 * rows
+                };
+                let found = grown(solid, broken);
+                assert!((found / 0.5 - 1.0).abs() < 0.1, "{ratio} {rows}: {found}");
+            }
+        }
+    }
 
     #[test]
     fn a_thin_band_fills_its_width_and_a_wide_one_less() {
