@@ -22,7 +22,6 @@ mod single;
 mod stability;
 mod subject;
 mod table;
-mod theory;
 mod variant;
 
 use std::path::Path;
