@@ -183,7 +183,7 @@ impl<'a> Campaign<'a> {
         repetition: u32,
         too_long: bool,
     ) -> Result<Option<Row>, StudyError> {
-        let key = self.subject.key(&variant.overrides);
+        let key = self.subject.key(self.runner.build(), &variant.overrides);
         if let Some(row) = self.log.find(&key, repetition) {
             return Ok(Some(row.clone()));
         }
