@@ -1,16 +1,21 @@
 //! What accuracy costs: schemes × solvers × grids × tolerances, error against seconds.
 
+mod judged;
 mod laws;
 mod reaching;
+mod variants;
 
 use std::collections::BTreeMap;
 
 use serde_json::json;
 
+use self::judged::Judged;
 use self::laws::{draw_growth, growth, orders};
 use self::reaching::{crossover, draw, headline, reaching};
-use super::{Findings, Measured, Method, Options, Section, Study, StudyError, Subject, Variant};
-use crate::plan::{TimeMode, exact_pressure};
+use self::variants::variants;
+use super::over_resolved::{self, OverResolved};
+use super::{Compared, Findings, Measured, Options, Section, Study, StudyError, Subject, Variant};
+use crate::plan::exact_pressure;
 
 /// The study of cost.
 pub struct Cost;
@@ -28,65 +33,34 @@ impl Study for Cost {
     }
 
     fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
-        if subject.plan.reference.is_none() {
-            return Err(StudyError::Unsuited {
-                study: "the cost study",
-                case: subject.plan.case.clone(),
-                reason:
-                    "it names no exact solution to measure errors with; choose a case whose scene \
-                         has a [reference]"
-                        .to_owned(),
-            });
-        }
-        let coupled = subject.is_coupled();
-        let range = match (coupled, options.quick) {
-            (true, false) => (60, 6000),
-            (true, true) => (60, 400),
-            (false, false) => (100, 40_000),
-            (false, true) => (100, 2500),
+        variants(subject, options)
+    }
+
+    fn compare(&self, runs: &mut [Measured]) {
+        let Some(exact) = OverResolved::among(runs) else {
+            return;
         };
-        let tolerances: &[f64] = match options.quick {
-            true => &[1e-2, 1e-3],
-            false => &[1e-2, 1e-3, 1e-4],
-        };
-        let mut variants = Vec::new();
-        for grid in subject.grids(options, range) {
-            for method in subject.methods(options) {
-                let solvers = subject.solvers(method.scheme, options);
-                let main = method.integrator == Some("tr-bdf2") && method.scheme != "semi-implicit";
-                let solvers = if main { &solvers[..] } else { &solvers[..1] };
-                let adaptive =
-                    method.integrator.is_some() && subject.plan.time.mode == TimeMode::Transient;
-                let tolerances = if adaptive { tolerances } else { &[f64::NAN] };
-                for (solver, &tolerance) in solvers
-                    .iter()
-                    .flat_map(|s| tolerances.iter().map(move |t| (s, t)))
-                {
-                    let mut variant = method
-                        .variant(Some(solver))
-                        .set(grid.overrides.clone())
-                        .with("spacing", grid.spacing);
-                    if adaptive {
-                        variant = variant
-                            .set([format!("time.tolerance={tolerance:?}")])
-                            .with("tolerance", tolerance);
-                    }
-                    variant.weight = weight(method.scheme, grid.points, tolerance);
-                    variants.push(variant);
-                }
-            }
+        let least = over_resolved::RESOLVED * exact.largest_doubt();
+        let compared: Vec<Option<Compared>> = runs
+            .iter()
+            .map(|run| {
+                let errors = exact.distances(run);
+                let largest = errors.values().copied().fold(f64::NAN, f64::max);
+                let measured = run.done() && !over_resolved::is_level(&run.variant);
+                measured.then_some(Compared {
+                    errors,
+                    resolved: largest >= least,
+                })
+            })
+            .collect();
+        for (run, compared) in runs.iter_mut().zip(compared) {
+            run.compared = compared;
         }
-        if steady_only(subject) && options.wants_scheme("implicit") {
-            variants.extend(steady(subject, options, range));
-        }
-        Ok(variants)
     }
 
     fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings {
-        let done: Vec<&Measured> = runs
-            .iter()
-            .filter(|run| run.done() && run.error().is_finite() && run.error() > 0.0)
-            .collect();
+        let done: Vec<&Measured> = runs.iter().filter(|run| run.resolved()).collect();
+        let judged = subject.plan.reference.is_none().then(|| Judged::of(runs));
         let groups = groups(&done);
         let (reaching, costs) = reaching(&groups, &done);
         let (crossing, crossover) = crossover(&groups);
@@ -94,12 +68,13 @@ impl Study for Cost {
         let (growth, growth_facts) = growth(&done);
         let mut headlines: Vec<String> = costs.iter().filter_map(headline).collect();
         headlines.extend(crossing.clone());
+        headlines.extend(judged.as_ref().map(Judged::line));
         let mut section = Section::new("Error against seconds");
         section.text.push(format!(
             "Each mark is a run of {} on one grid with one tolerance: the median wall time of the whole \
-             process, with its start, its output and its pictures, against the largest root mean square \
-             error of all fields and outputs, relative to the range of the exact field. Runs of all kinds \
-             took turns, so that a disturbance of the machine meets all of them.",
+             process, with its start and its output, against the largest root mean square error of all \
+             fields and outputs, relative to the range of the exact field. Runs of all kinds took turns, \
+             so that a disturbance of the machine meets all of them.",
             subject.plan.case
         ));
         if steady_only(subject) {
@@ -110,6 +85,7 @@ impl Study for Cost {
                     .to_owned(),
             );
         }
+        section.text.extend(judged.as_ref().map(Judged::paragraph));
         draw(&mut section, &groups);
         section.tables.push(reaching);
         section.text.extend(crossing);
@@ -124,6 +100,7 @@ impl Study for Cost {
         draw_growth(&mut laws, &groups);
         Findings {
             facts: json!({
+                "over_resolved": judged,
                 "cost_to_reach": costs,
                 "crossover": crossover,
                 "orders": order_facts,
@@ -139,45 +116,6 @@ impl Study for Cost {
 fn steady_only(subject: &Subject) -> bool {
     let exact = exact_pressure(&subject.plan).ok().flatten();
     exact.is_some_and(|exact| exact.steady_only())
-}
-
-/// The steady state in one solve, by every solver on every cloud.
-fn steady(subject: &Subject, options: &Options, range: (usize, usize)) -> Vec<Variant> {
-    let method = Method {
-        scheme: "implicit",
-        integrator: None,
-    };
-    let solvers = subject.solvers(method.scheme, options);
-    let grids = subject.grids(options, range);
-    let pairs = grids
-        .iter()
-        .flat_map(|grid| solvers.iter().map(move |solver| (grid, solver)));
-    pairs
-        .map(|(grid, solver)| {
-            let mut variant = method
-                .variant(Some(solver))
-                .set(grid.overrides.clone())
-                .set(["time.mode=\"steady\"".to_owned()])
-                .with("spacing", grid.spacing);
-            variant.scheme = "steady".to_owned();
-            variant.weight = grid.points as f64;
-            variant
-        })
-        .collect()
-}
-
-/// Cheap first: points, tighter tolerances, and the many steps of methods without a linear system.
-fn weight(scheme: &str, points: usize, tolerance: f64) -> f64 {
-    let points = points as f64;
-    let steps = match tolerance.is_finite() {
-        true => (1e-2 / tolerance).powf(0.3),
-        false => 1.0,
-    };
-    match scheme {
-        "explicit" => points * points,
-        "semi-implicit" => 30.0 * points * steps,
-        _ => 10.0 * points * steps,
-    }
 }
 
 fn groups<'a>(done: &[&'a Measured]) -> BTreeMap<String, Vec<&'a Measured>> {
