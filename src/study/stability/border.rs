@@ -8,14 +8,17 @@ use super::setting::Setting;
 use super::theory::Split;
 use crate::study::Measured;
 
-/// The border at one strength.
+/// The border at one strength; steps in units of the explicit limit.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(super) struct Border {
     strength: f64,
-    /// Infinite (null) if every step is stable.
-    theory: f64,
-    stable_to: Option<f64>,
-    unstable_from: Option<f64>,
+    /// Smallest and largest stable step by theory: 0 and infinite (null) if every step is stable, both
+    /// 0 if none is.
+    theory: (f64, f64),
+    /// Smallest and largest step found stable.
+    stable: Option<(f64, f64)>,
+    /// Smallest and largest step found unstable.
+    unstable: Option<(f64, f64)>,
     /// How far the worst run is on the wrong side of theory, in cells.
     pub cells_apart: f64,
 }
@@ -23,21 +26,35 @@ pub(super) struct Border {
 impl Border {
     /// As a row of the table.
     pub fn cells(&self, label: &str) -> Vec<String> {
-        let number = |value: Option<f64>| value.map_or("none".to_owned(), |v| format!("{v:.2}"));
+        let span = |span: Option<(f64, f64)>| {
+            span.map_or("none".to_owned(), |(from, to)| {
+                format!("{from:.3} … {to:.3}")
+            })
+        };
         let theory = match self.theory {
-            to if to.is_infinite() => "every step is stable".to_owned(),
-            to if to <= 0.0 => "no step is stable".to_owned(),
-            to => format!("stable to {to:.3}"),
+            (_, to) if to <= 0.0 => "no step is stable".to_owned(),
+            (from, to) if to.is_finite() => format!("stable from {from:.3} to {to:.3}"),
+            (from, _) if from > 0.0 => format!("stable from {from:.3}"),
+            _ => "every step is stable".to_owned(),
         };
         vec![
             label.to_owned(),
             format!("{:.3}", self.strength),
             theory,
-            number(self.stable_to),
-            number(self.unstable_from),
-            format!("{:.1}", self.cells_apart),
+            span(self.stable),
+            span(self.unstable),
+            format!("{:.0}", self.cells_apart),
         ]
     }
+}
+
+/// How many cells lie between a step and the nearer end of the stable ones that is one; along a row
+/// without an end the border is at a strength of one.
+fn cells_between(ratio: f64, (from, to): (f64, f64), strength: f64) -> f64 {
+    let ends = [from, to].into_iter();
+    let ends = ends.filter(|end| *end > 0.0 && end.is_finite());
+    let nearest = ends.map(|end| (ratio / end).ln().abs()).reduce(f64::min);
+    (nearest.unwrap_or(strength.ln().abs()) / CELL.ln()).ceil()
 }
 
 /// One border per strength.
@@ -61,25 +78,22 @@ pub(super) fn borders(
             row.sort_by(|a, b| a.0.total_cmp(&b.0));
             let strength = row[0].1;
             let theory = setting.stable(split, strength);
-            // Runs that theory puts on the other side; how far from the border, in cells.
+            let expected = |ratio: f64| (theory.0..=theory.1).contains(&ratio);
             let wrong = row
                 .iter()
-                .filter(|(ratio, _, stable)| (*ratio <= theory) != *stable);
-            let apart = wrong.map(|(ratio, ..)| match theory > 0.0 && theory.is_finite() {
-                true => ((ratio / theory).ln().abs() / CELL.ln()).ceil(),
-                // The border runs along this row: it is a strength of one away.
-                false => (strength.ln().abs() / CELL.ln()).ceil(),
-            });
+                .filter(|(ratio, _, stable)| expected(*ratio) != *stable);
+            let apart = wrong.map(|(ratio, ..)| cells_between(*ratio, theory, strength));
+            let span = |wanted: bool| {
+                let own = row.iter().filter(|cell| cell.2 == wanted);
+                let ratios: Vec<f64> = own.map(|cell| cell.0).collect();
+                Some((*ratios.first()?, *ratios.last()?))
+            };
             Border {
                 strength,
                 theory,
                 cells_apart: apart.fold(0.0, f64::max),
-                stable_to: row
-                    .iter()
-                    .filter(|cell| cell.2)
-                    .map(|cell| cell.0)
-                    .reduce(f64::max),
-                unstable_from: row.iter().find(|cell| !cell.2).map(|cell| cell.0),
+                stable: span(true),
+                unstable: span(false),
             }
         })
         .collect()

@@ -38,7 +38,10 @@ pub(super) fn draw(
     // Nothing is drawn where the border lies beyond the runs.
     let (x, y): (Vec<f64>, Vec<f64>) = (0..=400)
         .map(|k| y_low * (y_high / y_low).powf(f64::from(k) / 400.0))
-        .map(|y| (setting.stable(split, y), y))
+        .map(|y| {
+            let (from, to) = setting.stable(split, y);
+            (if to.is_finite() { to } else { from }, y)
+        })
         .filter(|(x, _)| (0.5 * x_low..=2.0 * x_high).contains(x))
         .unzip();
     let mut series: Vec<Series<'_>> = columns

@@ -15,7 +15,9 @@ use self::map::draw;
 use self::setting::Setting;
 use self::theory::Split;
 use self::tried::tried;
-use super::{Findings, Measured, Options, Section, Study, StudyError, Subject, Table, Variant};
+use super::{
+    Findings, Kept, Measured, Options, Section, Study, StudyError, Subject, Table, Variant,
+};
 
 /// The study of stability.
 pub struct Stability;
@@ -27,19 +29,34 @@ const HUNG: f64 = 0.749_894_209_332_455_8;
 /// Steps of every run: modes that grow by a third per step become large.
 const STEPS: u32 = 80;
 
+/// Steps of a map, as powers of a cell: around the explicit limit, and from there to beyond the borders
+/// where the smallest steps are the unstable ones.
+fn steps(setting: &Setting, split: Split, strengths: &[i32], quick: bool) -> Vec<i32> {
+    let usual = if quick { -1..=3 } else { -3..=5 };
+    let borders = strengths
+        .iter()
+        .map(|s| setting.stable(split, HUNG * CELL.powi(*s)).0)
+        .filter(|from| *from > 0.0)
+        .map(|from| ((from / HUNG).ln() / CELL.ln()).floor() as i32);
+    match (borders.clone().min(), borders.max()) {
+        (Some(least), Some(most)) => [-1].into_iter().chain(least - 1..=most + 2).collect(),
+        _ => usual.collect(),
+    }
+}
+
 impl Study for Stability {
     fn name(&self) -> &'static str {
         "stability"
     }
 
     fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
-        let setting = Setting::of(subject, options)?;
+        let setting = Setting::new(subject, options)?;
         let coupled = subject.is_coupled();
-        let (steps, strengths): (Vec<i32>, Vec<i32>) = match (options.quick, coupled) {
-            (true, true) => ((-1..=3).collect(), vec![-2, 0, 1, 5]),
-            (true, false) => ((-1..=3).collect(), vec![1, 9, 17]),
-            (false, true) => ((-3..=5).collect(), vec![-4, -2, -1, 0, 1, 2, 3, 5]),
-            (false, false) => ((-3..=5).collect(), vec![1, 5, 9, 17, 25, 33, 49]),
+        let strengths: &[i32] = match (options.quick, coupled) {
+            (true, true) => &[-2, 0, 1, 5],
+            (true, false) => &[1, 9, 17],
+            (false, true) => &[-4, -2, -1, 0, 1, 2, 3, 5],
+            (false, false) => &[1, 5, 9, 17, 25, 33, 49],
         };
         let mut variants = Vec::new();
         for tried in tried(coupled) {
@@ -47,6 +64,7 @@ impl Study for Stability {
                 continue;
             }
             let solvers = subject.solvers(tried.method.scheme, options);
+            let steps = steps(&setting, (tried.split)(subject), strengths, options.quick);
             for (&k, &s) in steps
                 .iter()
                 .flat_map(|k| strengths.iter().map(move |s| (k, s)))
@@ -77,8 +95,10 @@ impl Study for Stability {
                         },
                     ])
                     .with("step_ratio", ratio)
+                    .with("spacing", setting.grid.spacing)
                     .with(if coupled { "strength" } else { "contrast" }, strength);
                 variant.scheme = tried.label.to_owned();
+                variant.kept = Kept::Extremes;
                 variants.push(variant);
             }
         }
@@ -86,7 +106,7 @@ impl Study for Stability {
     }
 
     fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings {
-        let Ok(setting) = Setting::of(subject, &Options::default()) else {
+        let Ok(setting) = Setting::seen(subject, runs) else {
             return Findings::default();
         };
         let coupled = subject.is_coupled();
@@ -94,21 +114,22 @@ impl Study for Stability {
         section.text.push(format!(
             "Every mark is a run of {STEPS} constant steps on {} points. Steps are counted in the stable \
              step of forward Euler with the storage s + α²/M; dashed is where theory puts the border: \
-             Fourier factors of all waves of the lattice with the operators' own symbols. Inaccurate means \
-             an error above {INACCURATE}, oscillating an overshoot of the pressure above {OVERSHOOT} of its \
-             range.",
-            setting.grid.points
+             Fourier factors of all waves of the lattice with the operators' own symbols. Diverged means \
+             that the run stopped or that its pressure or its error grew, inaccurate an error above \
+             {INACCURATE} at the end. Oscillating means that the pressure, which neither grew, turned \
+             again and again from one step to the next or undershot zero, by more than {OVERSHOOT}.",
+            runs.first().map_or(0.0, |run| run.number("/points"))
         ));
         let axis = if coupled { "strength" } else { "contrast" };
         let mut table = Table::new(
-            "Border of stability by theory and as found: the last stable and the first unstable step at each \
-             row, in units of the explicit limit",
+            "Border of stability by theory and as found: the smallest and the largest step of either kind in \
+             each row, in units of the explicit limit",
             &[
                 "method",
                 axis,
                 "theory",
-                "stable up to",
-                "unstable from",
+                "found stable",
+                "found unstable",
                 "cells apart",
             ],
         );

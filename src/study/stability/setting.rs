@@ -3,7 +3,7 @@
 use super::theory::{Lattice, Mode, Split};
 use crate::geometry::Horizon;
 use crate::plan::{GeometryPlan, PermeabilityPlan};
-use crate::study::{Grid, Options, StudyError, Subject};
+use crate::study::{Grid, Measured, Options, StudyError, Subject};
 
 /// What the case gives the theory.
 pub(super) struct Setting {
@@ -23,21 +23,36 @@ pub(super) struct Setting {
 }
 
 impl Setting {
+    /// With the coarsest cloud, as borders are in units of its own limit.
+    ///
     /// # Errors
     /// [`StudyError::Unsuited`] where the theory does not know the cloud, the horizon or the materials.
-    pub fn of(subject: &Subject, options: &Options) -> Result<Self, StudyError> {
+    pub fn new(subject: &Subject, options: &Options) -> Result<Self, StudyError> {
+        let grids = subject.grids(options, (30, 1000));
+        Self::of(subject, grids.into_iter().next())
+    }
+
+    /// With the cloud that runs of the study had.
+    ///
+    /// # Errors
+    /// As [`Setting::new`].
+    pub fn seen(subject: &Subject, runs: &[Measured]) -> Result<Self, StudyError> {
+        let spacing = runs.first().map(|run| run.variant.value("spacing"));
+        Self::of(
+            subject,
+            spacing.and_then(|spacing| subject.grid_within(spacing)),
+        )
+    }
+
+    fn of(subject: &Subject, grid: Option<Grid>) -> Result<Self, StudyError> {
         let unsuited = |reason: &str| StudyError::Unsuited {
             study: "the stability study",
             case: subject.plan.case.clone(),
             reason: reason.to_owned(),
         };
         let plan = &subject.plan;
-        // The coarsest cloud: borders are in units of its own limit.
-        let grids = subject.grids(options, (30, 1000));
-        let grid = grids.first().filter(|grid| grid.overrides.is_some());
-        let grid = grid
-            .ok_or_else(|| unsuited("theory knows lattices only"))?
-            .clone();
+        let grid = grid.filter(|grid| grid.overrides.is_some());
+        let grid = grid.ok_or_else(|| unsuited("theory knows lattices only"))?;
         let uniform: Vec<(&crate::plan::MaterialPlan, f64)> = plan
             .materials
             .iter()
@@ -117,10 +132,11 @@ impl Setting {
         2.0 * (1.0 + self.tau(strength)) / largest * self.unit(strength)
     }
 
-    /// Largest stable step of a split, in units of the limit.
-    pub fn stable(&self, split: Split, strength: f64) -> f64 {
-        let stable = split.stable(&self.modes, self.tau(strength));
-        stable * self.unit(strength) / self.limit(strength)
+    /// Smallest and largest stable step of a split, in units of the limit.
+    pub fn stable(&self, split: Split, strength: f64) -> (f64, f64) {
+        let (from, to) = split.stable(&self.modes, self.tau(strength));
+        let unit = self.unit(strength) / self.limit(strength);
+        (from * unit, to * unit)
     }
 }
 
