@@ -198,6 +198,11 @@ pub(super) fn crossover(
     };
     let wins = ratios.iter().position(|(_, ratio)| *ratio > 1.0);
     let text = match wins {
+        Some(_) if high < 1.1 * low => format!(
+            "Implicit is {:.1} times as fast at the one error that both reach, {}.",
+            last.1,
+            short(last.0)
+        ),
         Some(0) => format!(
             "Implicit wins over the whole range both reach, from an error of {} ({:.1}×) to {} ({:.1}×).",
             short(first.0),
