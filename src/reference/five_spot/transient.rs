@@ -115,7 +115,7 @@ mod tests {
     use super::super::InjectorCorner;
     use super::*;
 
-    const PLACES: [(f64, f64); 5] = [(0.1, 0.1), (0.5, 0.3), (0.0, 1.0), (0.9, 0.75), (0.3, 0.0)];
+    const PLACES: [(f64, f64); 5] = [(0.1, 0.1), (0.5, 0.3), (0.0, 0.9), (0.9, 0.75), (0.3, 0.0)];
 
     fn unit() -> FiveSpot {
         FiveSpot::new(1.0, [0.0; 2], 1.0, InjectorCorner::LowerLeft).unwrap()
