@@ -35,7 +35,7 @@ impl Study for Contrast {
     fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
         let key = Layered::of(subject)?;
         let decades: &[i32] = match options.quick {
-            true => &[0, 4, 8, 12],
+            true => &[0, 2, 4, 8, 12],
             false => &[0, 1, 2, 3, 4, 6, 8, 10, 12],
         };
         let method = |scheme, integrator| Method { scheme, integrator };

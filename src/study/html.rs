@@ -17,8 +17,8 @@ figure img{display:block;max-width:100%;height:auto}\
 figcaption,.caption{color:#555;font-size:.9rem;text-align:left;padding:.3rem 0}\
 .caption{margin:1rem 0 0}table{border-collapse:collapse;font-size:.8rem;width:100%}\
 th,td{padding:.3rem .5rem .3rem 0;border-bottom:1px solid #ddd;text-align:left;vertical-align:top}\
-th{border-bottom:2px solid #999}td{font-variant-numeric:tabular-nums;min-width:8rem}\
-th,td.whole{white-space:nowrap;min-width:0}\
+th{border-bottom:2px solid #999}td{font-variant-numeric:tabular-nums}th,td{min-width:7rem}\
+th.whole,td.whole{white-space:nowrap;min-width:0}\
 code{font-size:.85em;overflow-wrap:anywhere}details{margin:1rem 0}summary{cursor:pointer}\
 @media screen and (max-width:48rem){figure .broad{display:none}figure .narrow{display:block}\
 thead{display:none}tr{display:block;border-bottom:2px solid #999;padding:.4rem 0}\
@@ -27,7 +27,7 @@ td::before{content:attr(data-name);flex:0 0 8.5rem;color:#555}}\
 @media print{body{max-width:none;padding:0;font-size:11px}figure,tr{break-inside:avoid}\
 h1{font-size:18px}h2{font-size:14px;margin:1rem 0 .3rem}.note,figcaption,.caption{font-size:10px}\
 h2,.caption{break-after:avoid}thead{display:table-header-group}table{font-size:8px}\
-figure svg{max-width:16cm}td{min-width:6rem}th,td{padding-right:.3rem}\
+figure svg{max-width:16cm}th,td{min-width:4rem;padding-right:.3rem}\
 .wide{overflow:visible}details>*{display:block}}";
 
 /// Text with what HTML would take as its own replaced.
@@ -62,17 +62,16 @@ pub(super) fn table(table: &Table) -> String {
     if table.rows.is_empty() {
         return String::new();
     }
-    let head: String = table
-        .head
-        .iter()
-        .map(|name| format!("<th>{}</th>", escape(name)))
+    let whole = |text: &str| match text.chars().count() <= WHOLE {
+        true => " class=\"whole\"",
+        false => "",
+    };
+    let head = table.head.iter();
+    let head: String = head
+        .map(|name| format!("<th{}>{}</th>", whole(name), escape(name)))
         .collect();
     let cell = |(text, name): (&String, &String)| {
-        let whole = if text.chars().count() <= WHOLE {
-            " class=\"whole\""
-        } else {
-            ""
-        };
+        let whole = whole(text);
         let (name, text) = (escape(name), escape(text));
         format!("<td{whole} data-name=\"{name}\"><span>{text}</span></td>")
     };

@@ -144,7 +144,7 @@ fn draw(plot: &LinePlot<'_>, width: f64) -> Drawn<String> {
         .map(|s| s.label)
         .zip(looks.iter().copied())
         .collect();
-    let legend = Legend::new(labels, SIZE)?;
+    let legend = Legend::within(labels, SIZE, width - SIZE)?;
     let layout = arrange(plot, width, &legend, &y, |frame| {
         curves(plot, &looks, frame, &x, &y)
     })?;

@@ -53,7 +53,7 @@ impl Study for Stability {
         let setting = Setting::new(subject, options)?;
         let coupled = subject.is_coupled();
         let strengths: &[i32] = match (options.quick, coupled) {
-            (true, true) => &[-2, 0, 1, 5],
+            (true, true) => &[-1, 1, 5],
             (true, false) => &[1, 9, 17],
             (false, true) => &[-4, -2, -1, 0, 1, 2, 3, 5],
             (false, false) => &[1, 5, 9, 17, 25, 33, 49],
