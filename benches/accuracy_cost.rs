@@ -5,13 +5,10 @@
 
 mod support;
 
-use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
-use perifrac::model::build_cloud;
-use perifrac::plan::{PermeabilityPlan, Plan, exact_pressure};
-use perifrac::reference::{ErrorNorms, ExactPressure, Exclusion};
+use perifrac::plan::Plan;
 use perifrac::run::{FieldError, Summary, run};
 use perifrac::schemes::State;
 
@@ -70,105 +67,19 @@ fn transient() -> Result<()> {
         overrides.extend(own.iter().map(|text| (*text).to_owned()));
         let plan = named(&overrides)?;
         let runs = repeat(&plan, 3)?;
-        let (
-            Summary {
-                steps, rejected, ..
-            },
-            state,
-        ) = &runs[0];
-        let norms = transient_error(&plan, state)?;
+        let summary = &runs[0].0;
+        let error = error(summary)?;
         println!(
-            "| {name} | {:.3} | {steps} | {rejected} | {} | {:.1e} | {:.1e} |",
+            "| {name} | {:.3} | {} | {} | {} | {:.1e} | {:.1e} |",
             wall(&runs),
-            runs[0].0.counters.solver.factorisations,
-            norms.l2_relative,
-            norms.max_relative,
+            summary.steps,
+            summary.rejected,
+            summary.counters.solver.factorisations,
+            error.l2,
+            error.max,
         );
     }
     Ok(())
-}
-
-fn transient_error(plan: &Plan, state: &State) -> Result<ErrorNorms> {
-    let exact = Transient::new(plan)?;
-    let (cloud, _) = build_cloud::<2>(plan)?;
-    let positions = cloud.position.iter().map(|x| x.as_slice());
-    Ok(ErrorNorms::against(
-        &exact,
-        state.time,
-        positions,
-        &cloud.volume,
-        &state.pressure,
-    )?)
-}
-
-/// The five-spot on the way to its steady state, from a pressure of zero, on the unit square.
-///
-/// The square is sealed, so its modes are products of cosines; those with m + n odd are driven and
-/// decay as exp(−κ (m² + n²) π² t / s). What is left of them is taken off the steady state.
-struct Transient {
-    steady: Box<dyn ExactPressure>,
-    /// Rate that enters the square over the mobility, Pa.
-    rate: f64,
-    /// κ/s, m²/s.
-    diffusivity: f64,
-}
-
-/// Modes per axis; the last one is below rounding from 1 ms on.
-const MODES: usize = 60;
-
-impl Transient {
-    fn new(plan: &Plan) -> Result<Self> {
-        let steady = exact_pressure(plan).map_err(anyhow::Error::msg)?;
-        let material = plan
-            .materials
-            .first()
-            .context("the five-spot has one material")?;
-        let Some(PermeabilityPlan::Uniform(permeability)) = material.permeability else {
-            anyhow::bail!("the five-spot has one permeability");
-        };
-        let mobility = permeability / plan.fluid.viscosity;
-        let well = plan
-            .wells
-            .first()
-            .context("the five-spot has an injector")?;
-        Ok(Transient {
-            steady: steady.context("the five-spot has an exact solution")?,
-            rate: 0.25 * well.rate.at(0.0).abs() / mobility,
-            diffusivity: mobility / material.storage,
-        })
-    }
-
-    /// What the modes of one order along x still lack at (x, y).
-    fn lacking(&self, m: usize, position: &[f64], time: f64) -> f64 {
-        let driven = (0..MODES).filter(|n| (m + n) % 2 == 1);
-        let share = |n: usize| {
-            let square = PI * PI * (m * m + n * n) as f64;
-            // The mean square of a cosine is a half, that of the constant one.
-            let norm = if m == 0 || n == 0 { 0.5 } else { 0.25 };
-            let size = 2.0 * self.rate / (norm * square);
-            size * (-self.diffusivity * square * time).exp() * cosine(n, position[1])
-        };
-        driven.map(share).sum::<f64>() * cosine(m, position[0])
-    }
-}
-
-fn cosine(order: usize, x: f64) -> f64 {
-    (PI * order as f64 * x).cos()
-}
-
-impl ExactPressure for Transient {
-    fn name(&self) -> &'static str {
-        "five-spot, transient"
-    }
-
-    fn pressure(&self, position: &[f64], time: f64) -> f64 {
-        let lacking: f64 = (0..MODES).map(|m| self.lacking(m, position, time)).sum();
-        self.steady.pressure(position, time) - lacking
-    }
-
-    fn excluded(&self) -> Vec<Exclusion> {
-        self.steady.excluded()
-    }
 }
 
 fn grid(cells: usize) -> String {

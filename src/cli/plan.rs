@@ -54,10 +54,11 @@ fn forecast(args: &Args, error: f64) -> Result<(), Failure> {
     let folder = tempfile::tempdir().map_err(study::StudyError::Program)?;
     let interrupt = interruption();
     let mut campaign = Campaign::new(&subject, folder.path(), 1, CALIBRATION, &interrupt)?;
-    let (runs, _) = campaign.run(&variants, &mut ())?;
+    let (mut runs, _) = campaign.run(&variants, &mut ())?;
     if interrupt.load(std::sync::atomic::Ordering::Relaxed) {
         return Err(Failure::Interrupted("during the calibration".to_owned()));
     }
+    study::compare_costs(&mut runs);
     let forecast = study::forecast(&subject, &runs, error)?;
     match args.json {
         true => print(&serde_json::to_string_pretty(&forecast).unwrap_or_default()),

@@ -17,8 +17,9 @@ use super::exit::{Failure, print};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 The report is OUT/report.html; numbers are in OUT/KIND.csv and OUT/report.json, every run in
-OUT/log.jsonl. The same command goes on where an interrupted study stopped; delete the folder to
-begin again.
+OUT/log.jsonl. The same command goes on where an interrupted study stopped; a program that was built
+anew, or a deleted folder, begins again. Without an exact solution, cost compares runs with an
+over-resolved one.
 
   perifrac study cost terzaghi --quick
   perifrac study contrast two-layer
@@ -105,11 +106,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut console = Console {
         shown: std::io::stderr().is_terminal() && !args.json,
     };
-    let (runs, complete) = campaign.run(&variants, &mut console)?;
+    let (mut runs, complete) = campaign.run(&variants, &mut console)?;
     console.clear();
     if runs.is_empty() {
         return Err(nothing(&interrupt));
     }
+    kind.compare(&mut runs);
     let report = study::write_report(&folder, &*kind, &subject, &runs, complete)?;
     let page = folder.join("report.html");
     if interrupt.load(Ordering::Relaxed) {

@@ -19,8 +19,8 @@ pub use atomic::write_atomically;
 pub use error::OutputError;
 pub use history::{History, Table};
 pub use plots::{
-    FieldPlot, LinePlot, LineStyle, Multiples, PathPlot, Scale, Series, animation_png, field_png,
-    lines_svg, lines_text, multiples_png, paths_svg,
+    FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PathPlot, Scale, Series, WIDE,
+    animation_png, field_png, lines_svg, lines_text, multiples_png, paths_svg,
 };
 pub use pvd::Pvd;
 pub use pvtu::write_pvtu;

@@ -7,10 +7,14 @@
 //! converges at once and cannot overflow. The parts linear in a sum up to the field of line sinks
 //! and sources that alternate every L, which inside the square is π(½ − y/L).
 
+mod transient;
+
 use std::f64::consts::PI;
 
 use super::error::{finite, positive};
 use super::{ExactPressure, Exclusion, ReferenceError, coordinate};
+
+pub use transient::FiveSpotTransient;
 
 /// Rows of wells kept on each side; the first one dropped contributes less than e⁻¹³ᵖⁱ ≈ 2e-18.
 const ROWS: i32 = 13;

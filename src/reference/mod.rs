@@ -8,6 +8,7 @@
 //! | solution | problem |
 //! |---|---|
 //! | [`FiveSpot`] | steady flow from an injector to a producer in a sealed square |
+//! | [`FiveSpotTransient`] | the way there from a uniform pressure |
 //! | [`TwoLayer`] | two layers in series, any contrast, steady and transient |
 //! | [`Theis`] | a line source in an unbounded plane |
 //! | [`Terzaghi`] | consolidation of a column under a load |
@@ -27,7 +28,7 @@ mod two_layer;
 
 pub use error::ReferenceError;
 pub use exponential_integral::exponential_integral;
-pub use five_spot::{FiveSpot, InjectorCorner};
+pub use five_spot::{FiveSpot, FiveSpotTransient, InjectorCorner};
 pub use mandel::{Mandel, MandelParameters};
 pub use manufactured::{Axis, Ends, Manufactured, TimeFactor};
 pub use norms::{ErrorNorms, Sample};

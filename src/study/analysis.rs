@@ -124,10 +124,13 @@ pub struct Reach {
     pub grounds: Grounds,
 }
 
+/// Cost over that of the dearest run up to which a power law is continued.
+const FARTHEST: f64 = 1e6;
+
 /// Cost at which the front of the pairs (cost, error) reaches `error`, interpolated in logarithms.
 ///
 /// Beyond the most accurate run the power law through the two best continues it, over two decades of
-/// error at most; `None` if the front has a single run or does not get better with cost.
+/// error and six of cost at most; `None` if the front has a single run or does not get better with cost.
 pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<Reach> {
     let front: Vec<(f64, f64)> = pareto(pairs).into_iter().map(|i| pairs[i]).collect();
     let (first, last) = (front.first()?, front.last()?);
@@ -153,8 +156,10 @@ pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<Reach> {
     let best = &front[front.len().saturating_sub(2)..];
     let swapped: Vec<(f64, f64)> = best.iter().map(|(c, e)| (*e, *c)).collect();
     let fit = Fit::of(&swapped).filter(|fit| fit.slope < 0.0 && last.1 < 100.0 * error)?;
-    Some(Reach {
-        cost: last.0 * (error / last.1).powf(fit.slope),
+    let cost = last.0 * (error / last.1).powf(fit.slope);
+    // Two runs with next to the same error continue to any number.
+    (cost < FARTHEST * last.0).then_some(Reach {
+        cost,
         grounds: Grounds::Extrapolated,
     })
 }
@@ -227,5 +232,7 @@ mod tests {
         assert_eq!(at(1e-4).grounds, Grounds::Extrapolated);
         assert_eq!(reach(&pairs, 1e-6), None, "too far beyond");
         assert_eq!(reach(&pairs[..1], 1e-2), None);
+        let flat = [(1.0, 1e-1), (2.0, 0.99e-1)];
+        assert_eq!(reach(&flat, 1e-2), None, "more than all time in the world");
     }
 }

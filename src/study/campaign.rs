@@ -1,11 +1,10 @@
 //! Running the variants of a study: in turns, within a budget, and never twice.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::{Log, Row, Runner, Status, StudyError, Subject, Variant, median, profile};
+use super::{Log, Measured, Row, Runner, Status, StudyError, Subject, Variant, profile};
 
 /// Hears of the progress of a study.
 pub trait Watcher {
@@ -15,73 +14,6 @@ pub trait Watcher {
 
 impl Watcher for () {
     fn ended(&mut self, _: &Variant, _: &Row, _: usize, _: usize) {}
-}
-
-/// A variant with its runs.
-#[derive(Debug, Clone)]
-pub struct Measured {
-    /// What was run.
-    pub variant: Variant,
-    /// Its runs, in order; the first one decides about errors and counters.
-    pub rows: Vec<Row>,
-}
-
-impl Measured {
-    /// The first run.
-    pub fn first(&self) -> &Row {
-        // A variant enters the results with its first run.
-        &self.rows[0]
-    }
-
-    /// Whether it reached its end.
-    pub fn done(&self) -> bool {
-        self.first().status == Status::Done
-    }
-
-    /// Median of a measure over the runs that reached their end.
-    pub fn typical(&self, measure: impl Fn(&Row) -> f64) -> f64 {
-        let done = self.rows.iter().filter(|row| row.status == Status::Done);
-        median(&done.map(measure).collect::<Vec<f64>>()).unwrap_or(f64::NAN)
-    }
-
-    /// Median wall time, s.
-    pub fn seconds(&self) -> f64 {
-        self.typical(|row| row.wall_s)
-    }
-
-    /// A number of the summary by its path, such as `/counters/solver/iterations`.
-    pub fn number(&self, path: &str) -> f64 {
-        let summary = self.first().summary.as_ref().filter(|_| self.done());
-        let value = summary.and_then(|summary| summary.pointer(path));
-        value
-            .and_then(serde_json::Value::as_f64)
-            .unwrap_or(f64::NAN)
-    }
-
-    /// Errors per field: root mean square over the range, the largest of all outputs after the start.
-    pub fn errors(&self) -> BTreeMap<String, f64> {
-        let mut errors: BTreeMap<String, f64> = BTreeMap::new();
-        let summary = self.first().summary.as_ref().filter(|_| self.done());
-        let outputs = summary.and_then(|summary| summary["errors_over_time"].as_array());
-        for output in outputs
-            .into_iter()
-            .flatten()
-            .filter_map(|output| output.as_object())
-        {
-            for (field, error) in output {
-                if let Some(error) = error["l2"].as_f64() {
-                    let largest = errors.entry(field.clone()).or_insert(0.0);
-                    *largest = largest.max(error);
-                }
-            }
-        }
-        errors
-    }
-
-    /// The largest error of all fields; NaN without an exact solution.
-    pub fn error(&self) -> f64 {
-        self.errors().into_values().fold(f64::NAN, f64::max)
-    }
 }
 
 /// Runs variants and keeps their rows.
@@ -143,7 +75,8 @@ impl<'a> Campaign<'a> {
             for &index in &order {
                 let variant = &variants[index];
                 let earlier = rows[index].first().map(|row| row.status);
-                if earlier.is_some_and(|status| status != Status::Done) {
+                let enough = variant.once && earlier.is_some();
+                if enough || earlier.is_some_and(|status| status != Status::Done) {
                     done += 1;
                     continue;
                 }
@@ -171,7 +104,7 @@ impl<'a> Campaign<'a> {
             .zip(rows)
             .filter(|(_, rows)| !rows.is_empty());
         let measured = pairs
-            .map(|(variant, rows)| Measured { variant, rows })
+            .map(|(variant, rows)| Measured::new(variant, rows))
             .collect();
         Ok((measured, complete))
     }
@@ -183,7 +116,7 @@ impl<'a> Campaign<'a> {
         repetition: u32,
         too_long: bool,
     ) -> Result<Option<Row>, StudyError> {
-        let key = self.subject.key(&variant.overrides);
+        let key = self.subject.key(self.runner.build(), &variant.overrides);
         if let Some(row) = self.log.find(&key, repetition) {
             return Ok(Some(row.clone()));
         }
@@ -219,9 +152,9 @@ impl<'a> Campaign<'a> {
             (_, Some(2 | 3), _) => Status::Refused,
             _ => Status::Failed,
         };
-        let fields = match variant.keep_fields && status == Status::Done {
-            true => profile::last_fields(&folder.path().join("out")),
-            false => Vec::new(),
+        let fields = match status {
+            Status::Done => profile::fields(&folder.path().join("out"), variant.kept),
+            _ => Vec::new(),
         };
         let row = Row {
             key,

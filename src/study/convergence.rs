@@ -5,8 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::findings::{count, short};
+use super::over_resolved::{OverResolved, SECOND_ORDER};
 use super::{
-    Findings, Fit, Measured, Options, Section, Study, StudyError, Subject, Table, Variant, profile,
+    Findings, Fit, Kept, Measured, Options, Section, Study, StudyError, Subject, Table, Variant,
+    profile,
 };
 use crate::output::{LinePlot, LineStyle, Series};
 
@@ -102,7 +104,7 @@ impl Convergence {
                 variant = variant.set(["scheme.coupling_tolerance=1e-11".to_owned()]);
             }
             variant.weight = f64::from(steps);
-            variant.keep_fields = true;
+            variant.kept = Kept::End;
             variant
         };
         let mut variants = Vec::new();
@@ -216,39 +218,22 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
          left out of the fits."
             .to_owned(),
     );
-    let Some(reference) = of_role(runs, REFERENCE).next() else {
+    let chain = of_role(runs, REFERENCE).chain(of_role(runs, VERIFICATION));
+    let exact = of_role(runs, REFERENCE)
+        .next()
+        .and_then(|_| OverResolved::of(&chain.collect::<Vec<_>>(), profile::apart, SECOND_ORDER));
+    let Some(exact) = exact else {
         section
             .text
             .push("The over-resolved run is missing, so there are no orders in time.".to_owned());
         return (section, Vec::new(), None);
     };
-    let exact: BTreeMap<&String, &Vec<f64>> = reference
-        .first()
-        .fields
-        .iter()
-        .map(|(name, values)| (name, values))
-        .collect();
-    let distance = |run: &Measured, field: &String| {
-        let own = run.first().fields.iter().find(|(name, _)| name == field);
-        own.zip(exact.get(field))
-            .map_or(f64::NAN, |(own, exact)| profile::apart(&own.1, exact))
-    };
-    // Richardson: two runs of order two, the second with half the steps of the first, differ by three
-    // times the error of the finer one.
-    let doubt: BTreeMap<&String, f64> = of_role(runs, VERIFICATION)
-        .flat_map(|run| exact.keys().map(move |field| (*field, run)))
-        .map(|(field, run)| (field, distance(run, field) / 3.0))
-        .collect();
-    let mut verified = Vec::new();
-    for (field, doubt) in &doubt {
-        verified.push(format!("{field} {}", short(*doubt)));
-    }
-    let verified = (!verified.is_empty()).then(|| {
+    let reference = exact.run;
+    let verified = exact.verdict().map(|doubts| {
         format!(
             "The over-resolved run ({} steps) is itself good to, by Richardson's rule with a run of half \
-             its steps: {}.",
+             its steps: {doubts}.",
             count(reference.variant.value("steps")),
-            verified.join(", ")
         )
     });
     section.text.extend(verified.clone());
@@ -267,18 +252,21 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
                 .value("steps")
                 .total_cmp(&b.variant.value("steps"))
         });
-        for field in exact.keys() {
-            let sure = 10.0 * doubt.get(field).copied().unwrap_or(0.0);
+        for (field, _) in &reference.first().fields {
+            let sure = 10.0 * exact.doubt.get(field).copied().unwrap_or(0.0);
             let pairs: Vec<(f64, f64)> = runs
                 .iter()
-                .map(|run| (end / run.variant.value("steps"), distance(run, field)))
+                .filter_map(|run| {
+                    let distance = *exact.distances(run).get(field)?;
+                    Some((end / run.variant.value("steps"), distance))
+                })
                 .filter(|pair| pair.1 > sure)
                 .collect();
             if let Some(fit) = Fit::of(asymptotic(&pairs)) {
                 let theory = if method.contains("TR-BDF2") { 2.0 } else { 1.0 };
                 laws.push(Law {
                     method: method.clone(),
-                    field: (*field).clone(),
+                    field: field.clone(),
                     what: "time",
                     fit,
                     theory,

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::output::{LinePlot, lines_text};
+use crate::output::{LinePlot, NARROW, WIDE, lines_text};
 
 /// What a study found.
 #[derive(Debug, Clone, Default)]
@@ -37,6 +37,8 @@ pub struct Figure {
     pub caption: String,
     /// The drawing.
     pub svg: String,
+    /// The same for narrow screens.
+    pub narrow: String,
 }
 
 /// A table of a report.
@@ -69,11 +71,13 @@ impl Section {
 
     /// Adds a picture; a drawing that fails leaves its reason as a paragraph.
     pub fn draw(&mut self, file: &str, caption: &str, plot: &LinePlot<'_>) {
-        match lines_text(plot) {
-            Ok(svg) => self.figures.push(Figure {
+        let drawings = lines_text(plot, WIDE).and_then(|svg| Ok((svg, lines_text(plot, NARROW)?)));
+        match drawings {
+            Ok((svg, narrow)) => self.figures.push(Figure {
                 file: format!("{file}.svg"),
                 caption: caption.to_owned(),
                 svg,
+                narrow,
             }),
             Err(reason) => self
                 .text
@@ -106,6 +110,16 @@ pub fn seconds(value: f64) -> String {
     }
 }
 
+/// A number as people write it, to three digits: powers of ten where it is large or small.
+pub fn plain(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        size if size.is_nan() => "–".to_owned(),
+        size if (1e-2..1e4).contains(&size) || size <= 0.0 => format!("{rounded}"),
+        _ => format!("{rounded:e}"),
+    }
+}
+
 /// A small number, or a dash.
 pub fn short(value: f64) -> String {
     match value.is_finite() {
@@ -119,5 +133,30 @@ pub fn count(value: f64) -> String {
     match value.is_finite() {
         true => format!("{value:.0}"),
         false => "–".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_numbers_are_short() {
+        let numbers = [
+            0.0,
+            2.0,
+            0.6666666666666666,
+            1e-3,
+            3.125e-5,
+            1e12,
+            13335.2,
+            -0.5,
+        ];
+        let texts: Vec<String> = numbers.map(plain).into();
+        let wanted = [
+            "0", "2", "0.667", "1e-3", "3.13e-5", "1e12", "1.33e4", "-0.5",
+        ];
+        assert_eq!(texts, wanted);
+        assert_eq!(plain(f64::NAN), "–");
     }
 }

@@ -35,7 +35,7 @@ pub struct Forecast {
 /// Variants of the calibration: coarse clouds of the study of cost, at two tolerances.
 ///
 /// # Errors
-/// [`StudyError::Unsuited`] if the case has no exact solution.
+/// [`StudyError::Unsuited`] as the study of cost.
 pub fn calibration(subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
     Cost.variants(
         subject,
@@ -44,6 +44,11 @@ pub fn calibration(subject: &Subject, options: &Options) -> Result<Vec<Variant>,
             ..options.clone()
         },
     )
+}
+
+/// Gives the runs of a calibration the errors that only their comparison can tell.
+pub fn compare_costs(runs: &mut [Measured]) {
+    Cost.compare(runs);
 }
 
 /// The cheapest method for an error, by power laws through the runs of the calibration.
@@ -55,7 +60,7 @@ pub fn calibration(subject: &Subject, options: &Options) -> Result<Vec<Variant>,
 /// [`StudyError::Unsuited`] if no run of the calibration reached its end.
 pub fn forecast(subject: &Subject, runs: &[Measured], error: f64) -> Result<Forecast, StudyError> {
     let mut methods: BTreeMap<String, Vec<&Measured>> = BTreeMap::new();
-    for run in runs.iter().filter(|run| run.done() && run.error() > 0.0) {
+    for run in runs.iter().filter(|run| run.resolved()) {
         methods.entry(run.variant.method()).or_default().push(run);
     }
     let guesses: Vec<(Guess, String)> = methods
@@ -202,7 +207,7 @@ fn command(subject: &Subject, guess: &Guess) -> String {
     let own = guess
         .overrides
         .iter()
-        .filter(|text| !text.starts_with("geometry."));
+        .filter(|text| !text.starts_with("geometry.") && !text.starts_with("output."));
     for text in subject.overrides.iter().chain(own).chain(grid.as_ref()) {
         words.push(format!("--set '{text}'"));
     }

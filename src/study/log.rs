@@ -42,7 +42,7 @@ impl Status {
 /// One finished run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// What was run: version, scene and overrides.
+    /// What was run: build of the program, scene and overrides.
     pub key: String,
     /// 0 for the first run of a variant.
     pub repetition: u32,

@@ -16,24 +16,27 @@ mod forecast;
 mod html;
 mod log;
 mod machine;
+mod measured;
+mod over_resolved;
 mod profile;
 mod runner;
 mod single;
 mod stability;
 mod subject;
 mod table;
-mod theory;
 mod variant;
 
 use std::path::Path;
 
 pub use analysis::{Fit, Grounds, Reach, median, pareto, reach};
-pub use campaign::{Campaign, Measured, Watcher};
+pub use campaign::{Campaign, Watcher};
 pub use error::StudyError;
 pub use findings::{Figure, Findings, Section, Table};
-pub use forecast::{Forecast, calibration, forecast};
+pub use forecast::{Forecast, calibration, compare_costs, forecast};
 pub use log::{Log, Row, Status};
 pub use machine::Machine;
+pub use measured::{Compared, Measured};
+pub use profile::Kept;
 pub use runner::{Ended, Runner};
 pub use single::report_run;
 pub use subject::{Grid, Subject};
@@ -71,6 +74,9 @@ pub trait Study {
     /// # Errors
     /// [`StudyError::Unsuited`] if the case has not what the study varies.
     fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError>;
+
+    /// Gives runs the errors that only a comparison of runs can tell.
+    fn compare(&self, _: &mut [Measured]) {}
 
     /// What the runs show.
     fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings;

@@ -34,6 +34,7 @@ pub struct Ended {
 #[derive(Debug, Clone)]
 pub struct Runner {
     program: PathBuf,
+    build: String,
     scene: String,
 }
 
@@ -46,12 +47,19 @@ impl Runner {
     /// Runs of `scene` by the program that is running now.
     ///
     /// # Errors
-    /// [`StudyError::Program`] if the program cannot be found.
+    /// [`StudyError::Program`] if the program cannot be found or read.
     pub fn new(scene: &str) -> Result<Self, StudyError> {
+        let program = std::env::current_exe().map_err(StudyError::Program)?;
         Ok(Runner {
-            program: std::env::current_exe().map_err(StudyError::Program)?,
+            build: build(&program).map_err(StudyError::Program)?,
+            program,
             scene: scene.to_owned(),
         })
+    }
+
+    /// What tells this build of the program from all others.
+    pub fn build(&self) -> &str {
+        &self.build
     }
 
     /// Runs the scene with the overrides and leaves its results in `folder`; `None` if interrupted.
@@ -102,6 +110,16 @@ impl Runner {
             timed_out,
         }))
     }
+}
+
+/// Version, length and checksum of a program: the version alone stays while the program is worked on.
+fn build(program: &Path) -> io::Result<String> {
+    let file = std::fs::File::open(program)?;
+    let length = file.metadata()?.len();
+    let mut reader = flate2::CrcReader::new(io::BufReader::with_capacity(1 << 20, file));
+    io::copy(&mut reader, &mut io::sink())?;
+    let version = env!("CARGO_PKG_VERSION");
+    Ok(format!("{version}+{length:x}.{:08x}", reader.crc().sum()))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -161,6 +179,21 @@ fn reason(stderr: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_byte_more_or_another_byte_makes_another_build() {
+        let folder = tempfile::tempdir().unwrap();
+        let of = |bytes: &[u8]| {
+            let path = folder.path().join("program");
+            std::fs::write(&path, bytes).unwrap();
+            build(&path).unwrap()
+        };
+        let first = of(b"program");
+        assert_eq!(first, of(b"program"));
+        assert_ne!(first, of(b"program."));
+        assert_ne!(first, of(b"prograM"));
+        assert!(first.starts_with(env!("CARGO_PKG_VERSION")));
+    }
 
     #[test]
     fn the_reason_is_the_last_error() {

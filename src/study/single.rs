@@ -158,7 +158,7 @@ fn pictures(folder: &Path) -> Result<String, StudyError> {
                 std::fs::read(path).map_err(|error| OutputError::from_io(path, "read", error))?;
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             text += &match end {
-                "svg" => figure(&String::from_utf8_lossy(&bytes), &name),
+                "svg" => figure(&String::from_utf8_lossy(&bytes), None, &name),
                 _ => image(&bytes, &name),
             };
         }

@@ -47,14 +47,9 @@ impl Subject {
         }
     }
 
-    /// What tells a run from all others: the version, the scene's text, the overrides.
-    pub fn key(&self, overrides: &[String]) -> String {
-        let version = env!("CARGO_PKG_VERSION");
-        format!(
-            "{version} {:016x} {}",
-            self.fingerprint,
-            overrides.join(" ")
-        )
+    /// What tells a run from all others: the build of the program, the scene's text, the overrides.
+    pub fn key(&self, build: &str, overrides: &[String]) -> String {
+        format!("{build} {:016x} {}", self.fingerprint, overrides.join(" "))
     }
 
     /// Whether flow and mechanics feel each other.

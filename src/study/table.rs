@@ -55,6 +55,7 @@ pub fn entry(run: &Measured) -> Value {
         "reason": run.first().reason,
         "repetitions": run.rows.len(),
         "errors": run.errors(),
+        "resolved": run.resolved(),
         "measures": measures.collect::<serde_json::Map<String, Value>>(),
     })
 }
@@ -75,7 +76,7 @@ pub fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut head: Vec<String> = ["scheme", "solver", "operator"].map(str::to_owned).into();
     head.extend(varied.iter().map(|name| (*name).to_owned()));
-    head.extend(["status", "repetitions"].map(str::to_owned));
+    head.extend(["status", "resolved", "repetitions"].map(str::to_owned));
     head.extend(MEASURES.iter().map(|(name, _)| (*name).to_owned()));
     head.extend(fields.iter().map(|field| format!("error_{field}")));
     head.extend(["reason", "overrides"].map(str::to_owned));
@@ -88,7 +89,11 @@ pub fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
         let mut cells = vec![variant.scheme.clone(), variant.solver.clone()];
         cells.push(variant.operator.clone().unwrap_or_default());
         cells.extend(varied.iter().map(|name| cell(variant.value(name))));
-        cells.extend([first.status.name().to_owned(), run.rows.len().to_string()]);
+        cells.extend([
+            first.status.name().to_owned(),
+            run.resolved().to_string(),
+            run.rows.len().to_string(),
+        ]);
         cells.extend(MEASURES.iter().map(|(_, measure)| cell(measure(run))));
         cells.extend(
             fields

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::profile::Kept;
+
 /// One of the runs of a study: what it is called and which keys of the scene it sets.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Variant {
@@ -18,8 +20,10 @@ pub struct Variant {
     /// Guess of its cost, in any unit: cheap runs come first, and where one takes too long its dearer
     /// sisters are skipped.
     pub weight: f64,
-    /// Whether the fields at the end are kept, to compare runs with each other.
-    pub keep_fields: bool,
+    /// Which of its fields are kept, to compare runs with each other.
+    pub kept: Kept,
+    /// Whether one run is enough, because its seconds do not matter.
+    pub once: bool,
 }
 
 impl Variant {

@@ -77,18 +77,13 @@ fn a_study_goes_on_where_it_stopped() {
     let place = Place::new();
     let arguments = [&SMALL[..], &["--out", "s"]].concat();
     place.succeed(&arguments);
-    let log = String::from_utf8(place.read("s/log.jsonl")).unwrap();
-    let lines: Vec<&str> = log.lines().collect();
+    let lines = log(&place);
     let half = &lines[3][..lines[3].len() / 2];
     place.write("s/log.jsonl", format!("{}\n{half}", lines[..3].join("\n")));
     place.succeed(&arguments);
-    let again = String::from_utf8(place.read("s/log.jsonl")).unwrap();
-    assert_eq!(
-        again.lines().take(3).collect::<Vec<_>>(),
-        lines[..3],
-        "kept to the last digit"
-    );
-    assert_eq!(again.lines().count(), lines.len());
+    let again = log(&place);
+    assert_eq!(again[..3], lines[..3], "kept to the last digit");
+    assert_eq!(again.len(), lines.len());
 }
 
 #[test]
@@ -110,36 +105,40 @@ fn a_run_that_fails_is_a_row_with_its_reason() {
     }
 }
 
+/// Interrupts a study as ctrl-C does, once its log has so many rows; gives its exit code.
 #[cfg(unix)]
-#[test]
-fn an_interrupted_study_reports_what_is_done() {
+fn interrupt(place: &Place, arguments: &[&str], rows: usize) -> Option<i32> {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
-    let place = Place::new();
     let mut command = Command::new(env!("CARGO_BIN_EXE_perifrac"));
-    // Enough repetitions for the signal to come in between.
-    command.args(SMALL).args(["--repeat", "1000", "--out", "s"]);
-    command
-        .current_dir(place.path(""))
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    command.args(arguments).current_dir(place.path(""));
+    command.stdout(Stdio::null()).stderr(Stdio::null());
     let mut study = command.spawn().unwrap();
     let start = Instant::now();
-    let rows =
-        || fs::read_to_string(place.path("s/log.jsonl")).map_or(0, |text| text.lines().count());
-    while rows() < 2 && start.elapsed() < Duration::from_secs(30) {
-        std::thread::sleep(Duration::from_millis(10));
+    while log(place).len() < rows && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
     }
-    let id = study.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    assert_eq!(study.wait().unwrap().code(), Some(130));
+    let kill = Command::new("kill")
+        .args(["-INT", &study.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+    study.wait().unwrap().code()
+}
+
+/// Lines of the log of the study in `s`.
+fn log(place: &Place) -> Vec<String> {
+    let text = fs::read_to_string(place.path("s/log.jsonl")).unwrap_or_default();
+    text.lines().map(str::to_owned).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_reports_what_is_done() {
+    let place = Place::new();
+    // Enough repetitions for the signal to come in between.
+    let arguments = [&SMALL[..], &["--repeat", "1000", "--out", "s"]].concat();
+    assert_eq!(interrupt(&place, &arguments, 2), Some(130));
     let report = report(&place, "s");
     assert_eq!(report["complete"], false);
     assert!(!report["runs"].as_array().unwrap().is_empty());
@@ -150,12 +149,190 @@ fn an_interrupted_study_reports_what_is_done() {
     assert_eq!(parts.count(), 0);
 }
 
+/// Contrasts of 1 to 1e12 by one scheme on few points.
+const CONTRAST: [&str; 14] = [
+    "study",
+    "contrast",
+    "two-layer",
+    "--set",
+    "time.end=0.02",
+    "--set",
+    "output={times=[], plots=false}",
+    "--set",
+    "geometry.points=[20, 5]",
+    "--schemes",
+    "implicit",
+    "--solvers",
+    "faer-llt",
+    "--quick",
+];
+
+/// Where flow alone is stable, on the coarsest cloud.
+const STABILITY: [&str; 8] = [
+    "study",
+    "stability",
+    "two-layer",
+    "--schemes",
+    "explicit,implicit",
+    "--solvers",
+    "faer-llt",
+    "--quick",
+];
+
+/// Whether a page shows pictures and loads nothing: neither from the network nor from files.
+#[track_caller]
+fn assert_self_contained(place: &Place) {
+    let page = String::from_utf8(place.read("s/report.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("</html>"));
+    for tag in ["<script", "<link", "<iframe", "<object", "@import", "url("] {
+        assert!(!page.contains(tag), "{tag}");
+    }
+    for attribute in ["src=\"", "href=\""] {
+        let targets = page.split(attribute).skip(1);
+        for target in targets {
+            let own = target.starts_with("data:") || target.starts_with('#');
+            assert!(own, "{attribute}{}", &target[..target.len().min(40)]);
+        }
+    }
+}
+
+/// Does the study to its end, interrupts it halfway elsewhere and goes on: nothing runs twice.
+#[cfg(unix)]
+#[track_caller]
+fn assert_goes_on(arguments: &[&str], variants: usize) -> Value {
+    let place = Place::new();
+    let arguments = [arguments, &["--out", "s"]].concat();
+    let code = interrupt(&place, &arguments, 2);
+    let before = log(&place);
+    assert_eq!(code, Some(130), "{before:?}");
+    assert!((2..variants).contains(&before.len()), "{}", before.len());
+    assert_eq!(report(&place, "s")["complete"], false);
+    place.succeed(&arguments);
+    let after = log(&place);
+    assert_eq!(after.len(), variants);
+    assert_eq!(after[..before.len()], before, "kept to the last digit");
+    assert_self_contained(&place);
+    let report = report(&place, "s");
+    assert_eq!(report["complete"], true);
+    assert_eq!(report["runs"].as_array().unwrap().len(), variants);
+    place.succeed(&arguments);
+    assert_eq!(log(&place), after, "all there already");
+    report
+}
+
+#[cfg(unix)]
+#[test]
+fn a_study_of_contrast_goes_on_and_shows_that_implicit_costs_stay() {
+    // Two operators, transient and steady, five contrasts.
+    let report = assert_goes_on(&CONTRAST, 20);
+    for run in report["runs"].as_array().unwrap() {
+        assert_eq!(run["status"], "done", "{run}");
+        let bond = run["operator"] == "bond";
+        let error = run["errors"]["pressure"].as_f64().unwrap();
+        assert!(error < if bond { 0.05 } else { 0.5 }, "{run}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_study_of_stability_goes_on_and_finds_the_explicit_limit() {
+    // Explicit, backward Euler and TR-BDF2, three contrasts, five steps.
+    let report = assert_goes_on(&STABILITY, 45);
+    let borders = report["findings"]["borders"].as_array().unwrap();
+    assert_eq!(borders.len(), 9);
+    for border in borders {
+        let apart = border["border"]["cells_apart"].as_f64().unwrap();
+        assert!(apart <= 1.0, "{border}");
+        let always = border["border"]["unstable"].is_null();
+        assert_eq!(always, border["method"] != "explicit", "{border}");
+    }
+}
+
+/// The split whose strain lags, once a step: with a strength above 1 its small steps diverge and its
+/// large ones do not. Theory's border and the one found are at most a cell apart, and beyond it the
+/// pressure swings before it comes to rest.
+#[test]
+fn the_lagged_split_holds_from_the_step_that_theory_names() {
+    let place = Place::new();
+    place.succeed(&[
+        "study",
+        "stability",
+        "terzaghi",
+        "--set",
+        "geometry.size=[\"7.5 m\", \"1 m\"]",
+        "--set",
+        "output.probes={}",
+        "--set",
+        "output.profiles={}",
+        "--points",
+        "15",
+        "--schemes",
+        "semi-implicit,monolithic",
+        "--quick",
+        "--budget",
+        "5min",
+        "--out",
+        "s",
+    ]);
+    let report = report(&place, "s");
+    let borders = report["findings"]["borders"].as_array().unwrap();
+    assert_eq!(borders.len(), 6);
+    let lagged = |entry: &&Value| entry["method"] != "monolithic";
+    for border in borders.iter().filter(lagged) {
+        let border = &border["border"];
+        let strength = border["strength"].as_f64().unwrap();
+        assert!(border["cells_apart"].as_f64().unwrap() <= 1.0, "{border}");
+        assert!(border["stable"].is_array(), "{border}");
+        assert_eq!(border["unstable"].is_array(), strength > 1.0, "{border}");
+        assert_eq!(border["theory"][0].as_f64().unwrap() > 0.0, strength > 1.0);
+    }
+    let classes = report["findings"]["classes"].as_array().unwrap();
+    let (lagged, monolithic): (Vec<&Value>, Vec<&Value>) = classes.iter().partition(lagged);
+    assert!(lagged.iter().any(|entry| entry["class"] == "oscillating"));
+    assert!(
+        monolithic
+            .iter()
+            .all(|entry| entry["class"] == "converged" || entry["class"] == "inaccurate")
+    );
+}
+
+/// The same version may be another program; its rows are those of another study.
+#[cfg(unix)]
+#[test]
+fn another_build_of_the_program_runs_everything_again() {
+    use std::io::Write;
+    use std::process::Command;
+
+    let place = Place::new();
+    let program = place.path("perifrac");
+    fs::copy(env!("CARGO_BIN_EXE_perifrac"), &program).unwrap();
+    let study = || {
+        let mut command = Command::new(&program);
+        command.args(SMALL).args(["--out", "s"]);
+        assert!(
+            command
+                .current_dir(place.path(""))
+                .output()
+                .unwrap()
+                .status
+                .success()
+        );
+        log(&place).len()
+    };
+    assert_eq!((study(), study()), (8, 8));
+    // What stands behind the end of a program is not executed, but is part of the file.
+    let mut file = fs::OpenOptions::new().append(true).open(&program).unwrap();
+    file.write_all(b"rebuilt").unwrap();
+    drop(file);
+    assert_eq!((study(), study()), (16, 16));
+}
+
 #[test]
 fn a_case_that_does_not_suit_is_refused_with_a_remedy() {
     let place = Place::new();
     for (arguments, remedy) in [
         (&["study", "contrast", "terzaghi"][..], "two-layer"),
-        (&["study", "cost", "footing"], "[reference]"),
+        (&["study", "cost", "notched-tension"], "[flow]"),
         (&["report", "nowhere"], "perifrac run"),
         (&["plan", "terzaghi", "--for-error", "2"], "between 0 and 1"),
     ] {
@@ -210,4 +387,87 @@ fn a_forecast_names_a_command_that_runs() {
         run["errors"]["pressure"]["l2"].as_f64().unwrap() < 0.1,
         "{run}"
     );
+}
+
+/// Without an exact solution errors are distances from a run that is far finer and verified itself.
+#[test]
+fn the_cost_of_a_case_without_an_exact_solution() {
+    let place = Place::new();
+    let arguments = [
+        "study",
+        "cost",
+        "heterogeneous",
+        "--set",
+        "time={end=\"1 min\", tolerance=1e-4}",
+        "--set",
+        "output={times=[\"10 s\"]}",
+        // Smooth enough to converge on few points.
+        "--set",
+        "materials.rock.permeability={distribution=\"log-normal\", median=\"10 mD\", log10_std=0.2, \
+         correlation_length=\"5 m\", seed=1}",
+        "--points",
+        "8,12",
+        "--schemes",
+        "implicit",
+        "--solvers",
+        "faer-llt",
+        "--quick",
+        "--out",
+        "s",
+    ];
+    let printed = place.succeed(&arguments);
+    assert!(
+        printed.contains("over-resolved run of 2304 points"),
+        "{printed}"
+    );
+    let report = report(&place, "s");
+    let exact = &report["findings"]["over_resolved"]["run"];
+    let doubt = exact["doubt"]["pressure"].as_f64().unwrap();
+    assert!(doubt > 0.0 && doubt < 3e-3, "{exact}");
+    assert!(exact["fall"].as_f64().unwrap() > 2.0, "{exact}");
+    let runs = report["runs"].as_array().unwrap();
+    let (chain, own): (Vec<&Value>, Vec<&Value>) = runs
+        .iter()
+        .partition(|run| run["scheme"] == "over-resolved");
+    assert_eq!((chain.len(), own.len()), (3, 8));
+    assert!(chain.iter().all(|run| run["resolved"] == false));
+    for run in own {
+        let error = run["measures"]["error"].as_f64().unwrap();
+        let resolved = run["resolved"].as_bool().unwrap();
+        assert!(error > 0.0 && error < 0.1, "{run}");
+        assert_eq!(resolved, error >= 3.0 * doubt, "{run}");
+        assert!(
+            resolved,
+            "a quarter of the spacing resolves second order: {run}"
+        );
+    }
+    let page = String::from_utf8(place.read("s/report.html")).unwrap();
+    assert!(page.contains("Richardson"));
+}
+
+/// A doubt as large as the errors leaves no figure that a reader could trust.
+#[test]
+fn errors_within_the_doubt_are_not_resolved() {
+    let place = Place::new();
+    let printed = place.succeed(&[
+        "study",
+        "cost",
+        "footing",
+        "--points",
+        "10",
+        "--schemes",
+        "monolithic",
+        "--solvers",
+        "faer-ldlt",
+        "--quick",
+        "--out",
+        "s",
+    ]);
+    assert!(printed.contains("does not converge well"), "{printed}");
+    let report = report(&place, "s");
+    for run in report["runs"].as_array().unwrap() {
+        assert_eq!(run["resolved"], false, "{run}");
+    }
+    let page = String::from_utf8(place.read("s/report.html")).unwrap();
+    assert!(page.contains("error not resolved"));
 }

@@ -17,6 +17,28 @@ fn steady_pressure_at_200_by_200_is_exact_to_2e_5_in_one_factorisation() {
     assert!(summary.balance.mass <= 1e-10);
 }
 
+/// Where the field still moves, against images and modes: second order as in the steady state.
+#[test]
+fn the_transient_is_exact_to_second_order_at_every_output() {
+    let errors = [25, 50].map(|across| {
+        let grid = format!("geometry.points=[{across}, {across}]");
+        let own = [
+            "time.tolerance=1e-6",
+            "time.end=0.02",
+            "output.times=[0.002, 0.01]",
+        ];
+        let (summary, _) = run_case("five-spot", &[&own[..], &[&grid]].concat());
+        let outputs = summary.errors_over_time.iter();
+        let errors: Vec<f64> = outputs.map(|output| output.errors["pressure"].l2).collect();
+        assert_eq!(errors.len(), 3, "{errors:?}");
+        errors
+    });
+    for (coarse, fine) in errors[0].iter().zip(&errors[1]) {
+        let order = (coarse / fine).log2();
+        assert!(*fine < 2e-3 && order > 1.8, "{errors:?}");
+    }
+}
+
 #[test]
 fn the_adaptive_transient_ends_at_the_steady_field() {
     let grid = "geometry.points=[60, 60]";

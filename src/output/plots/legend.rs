@@ -110,6 +110,18 @@ impl<'a> Legend<'a> {
         })
     }
 
+    /// As [`Legend::new`], with a smaller font if that is needed to be no wider than `most`.
+    pub fn within(entries: Vec<(&'a str, Look)>, size: f64, most: f64) -> Drawn<Self> {
+        let legend = Self::new(entries, size)?;
+        match legend.width > most {
+            true => Self::new(
+                legend.entries,
+                size * (most - SAMPLE) / (legend.width - SAMPLE),
+            ),
+            false => Ok(legend),
+        }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

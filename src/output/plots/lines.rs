@@ -13,8 +13,11 @@ use super::legend::{Legend, Look};
 use super::{Drawn, Place};
 use crate::output::{OutputError, write_atomically};
 
-/// Size of the drawing without title, notes and outer legend, px.
-const WIDTH: f64 = 900.0;
+/// Width of drawings, px.
+pub const WIDE: f64 = 900.0;
+/// Width of drawings whose numbers can be read on a phone, px.
+pub const NARROW: f64 = 520.0;
+/// Height of the frame without title, notes and outer legend, px.
 const FRAME_HEIGHT: f64 = 430.0;
 
 /// Font size of the numbers, px.
@@ -78,18 +81,19 @@ pub fn lines_svg(path: impl AsRef<Path>, plot: &LinePlot<'_>) -> Result<(), Outp
         let what = format!("y of the series {:?}", series.label);
         OutputError::check_length(path, &what, series.x.len(), series.y.len())?;
     }
-    let text = draw(plot).map_err(|reason| OutputError::Drawing {
+    let text = draw(plot, WIDE).map_err(|reason| OutputError::Drawing {
         path: path.to_path_buf(),
         reason,
     })?;
     write_atomically(path, |writer| writer.write_all(text.as_bytes()))
 }
 
-/// Draws curves with axes and legend as the text of an SVG drawing.
+/// Draws curves with axes and legend as the text of an SVG drawing of a width such as [`WIDE`] or
+/// [`NARROW`].
 ///
 /// # Errors
 /// The reason, as in [`OutputError::Drawing`].
-pub fn lines_text(plot: &LinePlot<'_>) -> Result<String, String> {
+pub fn lines_text(plot: &LinePlot<'_>, width: f64) -> Result<String, String> {
     for series in plot.series {
         if series.x.len() != series.y.len() {
             return Err(format!(
@@ -100,7 +104,7 @@ pub fn lines_text(plot: &LinePlot<'_>) -> Result<String, String> {
             ));
         }
     }
-    draw(plot)
+    draw(plot, width)
 }
 
 /// Where the parts of the drawing go, in pixels.
@@ -132,7 +136,7 @@ fn looks(plot: &LinePlot<'_>) -> Vec<Look> {
     plot.series.iter().map(look).collect()
 }
 
-fn draw(plot: &LinePlot<'_>) -> Drawn<String> {
+fn draw(plot: &LinePlot<'_>, width: f64) -> Drawn<String> {
     let (x, y, looks) = (shown_x(plot), shown_y(plot), looks(plot));
     let labels = plot
         .series
@@ -140,13 +144,13 @@ fn draw(plot: &LinePlot<'_>) -> Drawn<String> {
         .map(|s| s.label)
         .zip(looks.iter().copied())
         .collect();
-    let legend = Legend::new(labels, SIZE)?;
-    let layout = arrange(plot, &legend, &y, |frame| {
+    let legend = Legend::within(labels, SIZE, width - SIZE)?;
+    let layout = arrange(plot, width, &legend, &y, |frame| {
         curves(plot, &looks, frame, &x, &y)
     })?;
     let frame = layout.frame;
     let curves = curves(plot, &looks, &frame, &x, &y);
-    render(plot.title, (WIDTH, layout.height), |canvas| {
+    render(plot.title, (width, layout.height), |canvas| {
         texts(canvas, &layout)?;
         let axes = Axes {
             frame,
@@ -175,33 +179,36 @@ fn draw(plot: &LinePlot<'_>) -> Drawn<String> {
 /// below it.
 fn arrange(
     plot: &LinePlot<'_>,
+    width: f64,
     legend: &Legend<'_>,
     y: &Shown,
     curves_in: impl Fn(&Frame) -> Vec<Curve>,
 ) -> Drawn<Layout> {
-    let title = wrap(plot.title, 1.3 * SIZE, true, WIDTH - 2.0 * SIZE)?;
+    let title = wrap(plot.title, 1.3 * SIZE, true, width - 2.0 * SIZE)?;
     let top = SIZE * (1.4 + 1.9 * title.len() as f64);
     let numbers = widest(&y.axis.ticks_up(FRAME_HEIGHT, SIZE), SIZE)?;
     let left = (4.3 * SIZE + numbers).round();
     let mut frame = Frame {
         left,
         top,
-        width: WIDTH - left - 2.0 * SIZE,
+        width: width - left - 2.0 * SIZE,
         height: FRAME_HEIGHT,
     };
     let mut below = frame.bottom() + 4.0 * SIZE;
     let mut place = (left, below);
     if let Some(corner) = legend.free_corner(&frame, &dense(&curves_in(&frame))) {
         place = corner;
-    } else if legend.width < 0.4 * WIDTH && legend.height < FRAME_HEIGHT {
+    } else if legend.width < 0.4 * width && legend.height < FRAME_HEIGHT {
         frame.width -= legend.width + SIZE;
         place = (frame.right() + SIZE, frame.top);
     } else if !legend.is_empty() {
+        // Long labels may need more than the width of the frame.
+        place.0 = left.min(width - legend.width - SIZE).max(0.3 * SIZE);
         below += legend.height + SIZE;
     }
     let mut notes = Vec::new();
     for note in remarks(plot) {
-        notes.extend(wrap(&note, SIZE, false, WIDTH - 2.0 * SIZE)?);
+        notes.extend(wrap(&note, SIZE, false, width - 2.0 * SIZE)?);
     }
     let height = (below + 1.5 * SIZE * notes.len() as f64 + 0.3 * SIZE).ceil();
     let (y_label_at, notes_top) = (left - 2.0 * SIZE - numbers, below + 0.5 * SIZE);

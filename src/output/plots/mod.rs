@@ -29,7 +29,7 @@ mod units;
 
 pub use animation::animation_png;
 pub use field::{FieldPlot, Scale, field_png};
-pub use lines::{LinePlot, LineStyle, Series, lines_svg, lines_text};
+pub use lines::{LinePlot, LineStyle, NARROW, Series, WIDE, lines_svg, lines_text};
 pub use multiples::{Multiples, multiples_png};
 pub use paths::{PathPlot, paths_svg};
 pub use units::readable_time;

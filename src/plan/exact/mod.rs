@@ -11,8 +11,8 @@ use super::types::{
 };
 use crate::geometry::{Shape, Side};
 use crate::reference::{
-    Axis, Ends, ExactDisplacement, ExactPressure, FiveSpot, InjectorCorner, Layer, Manufactured,
-    Theis, TheisParameters, TimeFactor, TwoLayer, TwoLayerParameters,
+    Axis, Ends, ExactDisplacement, ExactPressure, FiveSpot, FiveSpotTransient, InjectorCorner,
+    Layer, Manufactured, Theis, TheisParameters, TimeFactor, TwoLayer, TwoLayerParameters,
 };
 
 /// The exact pressure the plan names, if any.
@@ -24,7 +24,10 @@ pub fn exact_pressure(plan: &Plan) -> Result<Option<Box<dyn ExactPressure>>, Str
         return Ok(None);
     };
     Ok(Some(match reference.kind {
-        ReferenceKind::FiveSpot => Box::new(five_spot(plan)?),
+        ReferenceKind::FiveSpot => match plan.time.mode {
+            TimeMode::Steady => Box::new(five_spot(plan)?),
+            TimeMode::Transient => Box::new(five_spot_transient(plan)?),
+        },
         ReferenceKind::TwoLayer => Box::new(two_layer(plan)?),
         ReferenceKind::Theis => Box::new(theis(plan)?),
         ReferenceKind::Manufactured => match manufactured(plan)? {
@@ -102,6 +105,12 @@ pub fn manufactured(plan: &Plan) -> Result<Option<Manufactured>, String> {
 
 fn text(error: impl ToString) -> String {
     error.to_string()
+}
+
+fn five_spot_transient(plan: &Plan) -> Result<FiveSpotTransient, String> {
+    let (mobility, storage) = uniform(plan)?;
+    let start = (plan.flow.as_ref()).map_or(0.0, |flow| flow.initial_pressure);
+    FiveSpotTransient::new(five_spot(plan)?, mobility / storage, start).map_err(text)
 }
 
 fn five_spot(plan: &Plan) -> Result<FiveSpot, String> {

@@ -124,30 +124,46 @@ pub enum Split {
         /// Fixed-stress term over α²/M.
         relaxation: f64,
     },
+    /// Backward Euler, once per step; strain lags, with a fixed-stress term `relaxation` times α²/M.
+    SemiImplicit {
+        /// Fixed-stress term over α²/M.
+        relaxation: f64,
+    },
     /// Always stable.
     Unconditional,
 }
 
 impl Split {
-    /// Largest stable step at coupling strength τ = α²/(S M), as the number Δt κ/(S Δx²); 0 if there is
-    /// none, infinite if all are.
+    /// Smallest and largest stable step at coupling strength τ = α²/(S M), as the number Δt κ/(S Δx²);
+    /// both 0 if there is none, 0 and infinite if all are.
     ///
     /// A mode with d = Δt κ k²/S and softness ρ obeys, with the fixed-stress term βτ,
-    /// (1 + βτ) z² − (1 + βτ + (β − ρ)τ − d) z + (β − ρ)τ = 0, hence d ≤ 2(1 + (2β − ρ)τ).
-    pub fn stable(self, modes: &[Mode], tau: f64) -> f64 {
-        let Split::Explicit { relaxation } = self else {
-            return f64::INFINITY;
-        };
-        let largest = |mode: &Mode| {
-            let room = 2.0 * (1.0 + (2.0 * relaxation - mode.softness) * tau);
-            // Nothing is stable where the smallest step is not.
-            if room > 0.0 {
-                room / mode.diffusion
-            } else {
-                0.0
+    /// (1 + βτ) z² − (1 + βτ + (β − ρ)τ − d) z + (β − ρ)τ = 0, hence d ≤ 2(1 + (2β − ρ)τ), where the
+    /// flow is explicit. Where it is implicit, d stands with z² instead,
+    /// (1 + βτ + d) z² − (1 + (2β − ρ)τ) z + (β − ρ)τ = 0, hence d ≥ 2((ρ − 2β)τ − 1): damping by the
+    /// flow is all that holds a lag that alone would diverge, so that small steps are the unstable ones.
+    pub fn stable(self, modes: &[Mode], tau: f64) -> (f64, f64) {
+        match self {
+            Split::Explicit { relaxation } => {
+                let largest = |mode: &Mode| {
+                    let room = 2.0 * (1.0 + (2.0 * relaxation - mode.softness) * tau);
+                    // Nothing is stable where the smallest step is not.
+                    room.max(0.0) / mode.diffusion
+                };
+                (0.0, modes.iter().map(largest).fold(f64::INFINITY, f64::min))
             }
-        };
-        modes.iter().map(largest).fold(f64::INFINITY, f64::min)
+            Split::SemiImplicit { relaxation } => {
+                let smallest = |mode: &Mode| {
+                    let lag = 2.0 * ((mode.softness - 2.0 * relaxation) * tau - 1.0);
+                    lag.max(0.0) / mode.diffusion
+                };
+                (
+                    modes.iter().map(smallest).fold(0.0, f64::max),
+                    f64::INFINITY,
+                )
+            }
+            Split::Unconditional => (0.0, f64::INFINITY),
+        }
     }
 }
 
@@ -201,9 +217,31 @@ mod tests {
             diffusion: 0.5,
             softness: 1.0,
         }];
-        let explicit = |relaxation, tau| Split::Explicit { relaxation }.stable(&mode, tau);
+        let explicit = |relaxation, tau| Split::Explicit { relaxation }.stable(&mode, tau).1;
         assert!((explicit(1.0, 3.0) - 16.0).abs() < 1e-12);
         assert!((explicit(0.0, 0.5) - 2.0).abs() < 1e-12);
         assert!(explicit(0.0, 2.0).abs() < 1e-12);
+        let implicit = |relaxation, tau| Split::SemiImplicit { relaxation }.stable(&mode, tau).0;
+        assert!((implicit(0.0, 3.0) - 8.0).abs() < 1e-12);
+        assert!(implicit(0.0, 0.9).abs() < 1e-12 && implicit(1.0, 100.0).abs() < 1e-12);
+    }
+
+    /// The borders are those of the roots: within the unit circle on one side, beyond it on the other.
+    #[test]
+    fn the_roots_of_the_lagged_split_cross_the_unit_circle_at_the_border() {
+        let (softness, tau) = (0.8, 3.0);
+        let largest_root = |d: f64| {
+            let (a, b, c) = (1.0 + d, softness * tau - 1.0, -softness * tau);
+            let root = (b * b - 4.0 * a * c).sqrt();
+            (0.5 * (root - b) / a)
+                .abs()
+                .max((0.5 * (root + b) / a).abs())
+        };
+        let mode = [Mode {
+            diffusion: 1.0,
+            softness,
+        }];
+        let border = Split::SemiImplicit { relaxation: 0.0 }.stable(&mode, tau).0;
+        assert!(largest_root(0.99 * border) > 1.0 && largest_root(1.01 * border) < 1.0);
     }
 }

@@ -1,0 +1,112 @@
+//! What the errors of a case without an exact solution were measured with, in words and numbers.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::study::Measured;
+use crate::study::findings::{count, short};
+use crate::study::over_resolved::{LEAST_FALL, OverResolved, RESOLVED, is_level};
+
+/// The over-resolved run and how far it is trusted; `run` is missing if none could be verified.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Judged {
+    run: Option<Exact>,
+    /// Runs within what the over-resolved run itself may be wrong by.
+    unresolved: usize,
+    /// Runs that reached their end.
+    of: usize,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Exact {
+    points: f64,
+    /// m; `None` (null) where clouds keep their spacing.
+    spacing: Option<f64>,
+    tolerance: Option<f64>,
+    /// Estimate of its own error per field, relative to the range.
+    doubt: BTreeMap<String, f64>,
+    /// By how much the error fell from run to run of its chain.
+    fall: Option<f64>,
+    verdict: String,
+    least: f64,
+}
+
+impl Judged {
+    /// From the runs of a study, compared.
+    pub fn of(runs: &[Measured]) -> Self {
+        let own = || {
+            runs.iter()
+                .filter(|run| run.done() && !is_level(&run.variant))
+        };
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        let run = OverResolved::among(runs).map(|exact| Exact {
+            points: exact.run.number("/points"),
+            spacing: finite(exact.run.variant.value("spacing")),
+            tolerance: finite(exact.run.variant.value("tolerance")),
+            verdict: exact.verdict().unwrap_or_default(),
+            least: RESOLVED * exact.largest_doubt(),
+            doubt: exact.doubt,
+            fall: exact.fall,
+        });
+        Judged {
+            run,
+            unresolved: own().filter(|run| !run.resolved()).count(),
+            of: own().count(),
+        }
+    }
+
+    /// One sentence.
+    pub fn line(&self) -> String {
+        let Some(run) = &self.run else {
+            return "There are no errors: no over-resolved run could be verified within its time; raise \
+                    --limit and --budget, or choose smaller clouds with --points."
+                .to_owned();
+        };
+        let remedy = match run.fall {
+            Some(fall) if fall < LEAST_FALL => {
+                " Its chain does not converge well: choose finer clouds with --points, or a smoother case."
+            }
+            _ => "",
+        };
+        format!(
+            "Errors are distances from an over-resolved run of {} points, which is itself good to: {}; {} \
+             of {} runs, with an error below {}, are not resolved by it.{remedy}",
+            count(run.points),
+            run.verdict,
+            self.unresolved,
+            self.of,
+            short(run.least)
+        )
+    }
+
+    /// How that was found.
+    pub fn paragraph(&self) -> String {
+        let Some(run) = &self.run else {
+            return self.line();
+        };
+        let cloud = match run.spacing {
+            Some(spacing) => format!("a spacing of {} m", short(spacing)),
+            None => "the same cloud, so that errors are those in time alone".to_owned(),
+        };
+        let finer = match run.tolerance {
+            Some(tolerance) => format!("a tolerance of {} and {cloud}", short(tolerance)),
+            None => cloud,
+        };
+        let fall = match run.fall {
+            Some(fall) if fall < 1.0 => "errors do not fall from one to the next".to_owned(),
+            Some(fall) => format!("errors fall by a factor of {fall:.1} from one to the next"),
+            None => "two runs cannot tell how errors fall, so that only a factor of 2 is assumed"
+                .to_owned(),
+        };
+        format!(
+            "The case has no exact solution. The exact field is that of an over-resolved run: the scheme \
+             of highest order with {finer}. Fields are compared at every output at the same places on \
+             lines through the whole domain; runs draw no pictures. Coarser runs of the same kind verify \
+             it by Richardson's rule: {fall}, which leaves an error of {} in the run that the others are \
+             compared with. Runs with less than {RESOLVED:.0} times the largest of these are marked as not \
+             resolved, and are in the table of all runs only.",
+            run.verdict
+        )
+    }
+}

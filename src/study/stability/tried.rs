@@ -1,0 +1,93 @@
+//! The schemes that are tried, with their ways through the coupling.
+
+use super::theory::Split;
+use crate::study::{Method, Subject};
+
+/// A scheme with its way through the coupling.
+pub(super) struct Tried {
+    /// As in legends.
+    pub label: &'static str,
+    /// Scheme and integrator.
+    pub method: Method,
+    /// Beyond those of the method.
+    pub overrides: &'static [&'static str],
+    /// For the theory.
+    pub split: fn(&Subject) -> Split,
+}
+
+/// Those that suit flow coupled with deformation, or flow alone.
+pub(super) fn tried(coupled: bool) -> Vec<Tried> {
+    let method = |scheme, integrator| Method { scheme, integrator };
+    let euler = Some("backward-euler");
+    let explicit = |subject: &Subject| Split::Explicit {
+        relaxation: fixed_stress(subject),
+    };
+    match coupled {
+        true => vec![
+            Tried {
+                label: "explicit, fixed-stress term",
+                method: method("explicit", None),
+                overrides: &[],
+                split: explicit,
+            },
+            Tried {
+                label: "explicit, lagged strain",
+                method: method("explicit", None),
+                overrides: &["scheme.relaxation=0"],
+                split: |_| Split::Explicit { relaxation: 0.0 },
+            },
+            // One pass a step whatever it disagrees by: the program would pass again where that is much.
+            Tried {
+                label: "semi-implicit, lagged strain",
+                method: method("semi-implicit", euler),
+                overrides: &["scheme.relaxation=0", "scheme.coupling_tolerance=1e300"],
+                split: |_| Split::SemiImplicit { relaxation: 0.0 },
+            },
+            Tried {
+                label: "staggered",
+                method: method("staggered", euler),
+                overrides: &[],
+                split: |_| Split::Unconditional,
+            },
+            Tried {
+                label: "monolithic",
+                method: method("monolithic", Some("tr-bdf2")),
+                overrides: &[],
+                split: |_| Split::Unconditional,
+            },
+        ],
+        false => vec![
+            Tried {
+                label: "explicit",
+                method: method("explicit", None),
+                overrides: &[],
+                split: |_| Split::Explicit { relaxation: 0.0 },
+            },
+            Tried {
+                label: "implicit backward Euler",
+                method: method("implicit", euler),
+                overrides: &[],
+                split: |_| Split::Unconditional,
+            },
+            Tried {
+                label: "implicit TR-BDF2",
+                method: method("implicit", Some("tr-bdf2")),
+                overrides: &[],
+                split: |_| Split::Unconditional,
+            },
+        ],
+    }
+}
+
+/// The fixed-stress term that the program adds, over α²/M: (λ + 2μ)/(λ + 2μ/d).
+fn fixed_stress(subject: &Subject) -> f64 {
+    let elasticity = subject
+        .plan
+        .materials
+        .first()
+        .and_then(|material| material.elasticity);
+    elasticity.map_or(0.0, |elasticity| {
+        let (lambda, mu) = (elasticity.lambda(), elasticity.shear_modulus());
+        (lambda + 2.0 * mu) / (lambda + 2.0 * mu / subject.plan.dimension as f64)
+    })
+}
