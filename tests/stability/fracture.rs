@@ -4,7 +4,7 @@ use perifrac::plan::{DamageMethod, Plan, StepRule};
 use perifrac::run::RunError;
 use perifrac::schemes::{State, StepError};
 
-use crate::support::{plan_of_variant, try_run};
+use crate::support::{model, plan_of_variant, try_run};
 
 const QUICK: [&str; 3] = [
     "output.plots=false",
@@ -31,6 +31,32 @@ fn finite(state: &State) -> bool {
     fields
         .iter()
         .all(|field| field.iter().all(|value| value.is_finite()))
+}
+
+/// Largest difference of the displacements above and below the middle, relative to the largest one.
+fn unevenness(plan: &Plan, state: &State) -> f64 {
+    let cloud = model::<2>(plan).cloud;
+    let middle = 0.5 * cloud.position.iter().map(|p| p[1]).fold(0.0, f64::max)
+        + 0.5
+            * cloud
+                .position
+                .iter()
+                .map(|p| p[1])
+                .fold(f64::INFINITY, f64::min);
+    let key = |x: f64, y: f64| ((x * 1e6).round() as i64, (y * 1e6).round() as i64);
+    let places = cloud.position.iter().enumerate();
+    let index: std::collections::BTreeMap<_, _> =
+        places.map(|(i, p)| (key(p[0], p[1] - middle), i)).collect();
+    let u = &state.displacement;
+    let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let places = cloud.position.iter().enumerate();
+    let apart = places.map(|(i, p)| {
+        let j = index[&key(p[0], middle - p[1])];
+        (u[2 * i] - u[2 * j])
+            .abs()
+            .max((u[2 * i + 1] + u[2 * j + 1]).abs())
+    });
+    apart.fold(0.0, f64::max) / largest
 }
 
 /// The whole specimen breaks within the only step there is.
@@ -155,6 +181,8 @@ fn a_crack_that_grows_takes_few_passes_a_step() {
         "{}",
         results.crack_length
     );
+    let uneven = unevenness(&plan, &state);
+    assert!(uneven < 1e-4, "{uneven}");
     let passes = summary.counters.coupling_iterations;
     assert!(
         passes <= 10 * summary.steps,
