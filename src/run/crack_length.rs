@@ -30,7 +30,8 @@ pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
     plan.cracks.iter().zip(&model.bands.points).map(of).sum()
 }
 
-/// Length of a crack through the points that are `broken`, m (area in 3-D, m²).
+/// Length of a crack through the points that are `broken`, m (area in 3-D, m²). At an end points see
+/// half of a band, which adds up to a horizon.
 pub fn grown<const D: usize>(solid: &SolidModel<D>, broken: impl Fn(usize) -> bool) -> f64 {
     let around = &solid.elastic.around;
     let (families, volume) = (&around.families, &around.cloud.volume);
@@ -124,7 +125,11 @@ mod tests {
                     (0.1..0.6).contains(&place[0]) && (place[1] - 1.0).abs() < 0.02 * rows
                 };
                 let found = grown(solid, broken);
-                assert!((found / 0.5 - 1.0).abs() < 0.1, "{ratio} {rows}: {found}");
+                let ends = 2.0 * ratio * 0.02;
+                assert!(
+                    (0.48..0.5 + ends).contains(&found),
+                    "{ratio} {rows}: {found}"
+                );
             }
         }
     }

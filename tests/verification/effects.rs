@@ -53,7 +53,7 @@ fn explicit_steps_factor_nothing_and_evaluate_constant_loads_once() {
     assert_eq!(summary.counters.solver.factorisations, 0);
     assert_eq!(
         summary.counters.evaluations("wells"),
-        4,
-        "two wells, once for all steps and once for the settled check at the end"
+        2,
+        "two wells, once for all steps"
     );
 }

@@ -12,10 +12,9 @@
 use perifrac_solvers::norm2;
 
 use super::compliance::Compliance;
-use super::flow::{check_scene, taken};
+use super::flow::{check_scene, close};
 use crate::model::{FlowModel, Model};
 use crate::plan::{Plan, SchemeChoice, SchemeOptions};
-use crate::schemes::implicit::weigh;
 use crate::schemes::limits::lagged_limit;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::{
@@ -240,18 +239,8 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
             content,
         });
         self.check(model, dt, trial)?;
-        let flow = flow_of(model)?;
         let at = if self.system.is_some() { &*trial } else { old };
-        let mut imbalance = vec![0.0; flow.points()];
-        flow.imbalance(at.time, &at.pressure, &mut imbalance);
-        let taken = taken(model, old, trial)?;
-        report.flows = weigh(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
-        report.flows.fixed += flow
-            .fixed
-            .iter()
-            .map(|fixed| taken[fixed.point])
-            .sum::<f64>();
-        report.stored = Some(taken.iter().sum());
+        close(model, old, trial, (dt, at), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);
         Ok(report)

@@ -30,14 +30,13 @@ use super::upkeep::Upkeep;
 use crate::model::Model;
 use crate::operators::Answer;
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
-use crate::schemes::implicit::weigh;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio};
 use crate::schemes::{
     ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
     solid_of,
 };
-pub use passes::taken;
+pub use passes::close;
 use passes::{FORCING, SHALLOW};
 
 /// Flow and fracture together.
@@ -236,17 +235,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         self.rates[0].clear();
         let moved = trial.displacement.iter().zip(&old.displacement);
         self.rates[0].extend(moved.map(|(new, old)| (new - old) / dt));
-        let flow = flow_of(model)?;
-        let mut imbalance = vec![0.0; flow.points()];
-        flow.imbalance(trial.time, &trial.pressure, &mut imbalance);
-        let taken = taken(model, old, trial)?;
-        report.flows = weigh(flow, &[(dt, &trial.pressure, trial.time, &imbalance)]);
-        report.flows.fixed += flow
-            .fixed
-            .iter()
-            .map(|fixed| taken[fixed.point])
-            .sum::<f64>();
-        report.stored = Some(taken.iter().sum());
+        close(model, old, trial, (dt, trial), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);
         Ok(report)

@@ -8,6 +8,7 @@ use crate::material::Softening;
 use crate::model::Model;
 use crate::operators::Answer;
 use crate::schemes::fracture::{Fracture, damage_of};
+use crate::schemes::implicit::weigh;
 use crate::schemes::{SolidSolver, State, StepError, StepReport, flow_of, solid_of};
 
 /// Forces out of balance, relative to all, from which passes are taken to contract.
@@ -40,8 +41,16 @@ struct Watch {
     best: f64,
     /// That of the pass before.
     before: f64,
-    /// Share of the volume taken up that the pressure owes to the strain.
-    owed: f64,
+}
+
+/// Where a pass starts.
+struct Pass {
+    /// What passes move, before the pressure was brought to the displacement.
+    start: Vec<f64>,
+    /// Forces out of balance, relative to all forces.
+    imbalance: f64,
+    /// Step, s.
+    dt: f64,
 }
 
 impl<const D: usize> FractureFlowStep<D> {
@@ -195,7 +204,6 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut watch = Watch {
             best: f64::INFINITY,
             before: f64::INFINITY,
-            owed: 0.0,
         };
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
@@ -207,22 +215,11 @@ impl<const D: usize> FractureFlowStep<D> {
             let start = self.unknowns(state);
             let (iterations, owed) = self.balance(model, old, state, dt)?;
             report.iterations += iterations;
-            watch.owed = owed;
             // The displacement stands still, so the solid's own answer is the same.
             let at = weigh_forces(model, state, found.answer)?;
             let imbalance = self.imbalance(&at, state.time)?;
-            if imbalance <= self.plan.tolerance {
-                if watch.owed <= OWED {
-                    return Ok(());
-                }
-                // Forces that are balanced to the last bits give no direction.
-                if imbalance <= BALANCED * self.plan.tolerance {
-                    found = match self.accelerate(start, state, 1.0, imbalance) {
-                        true => self.evaluate(model, state)?,
-                        false => at,
-                    };
-                    continue;
-                }
+            if imbalance <= self.plan.tolerance && owed <= OWED {
+                return Ok(());
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
                 return Err(StepError::Runs {
@@ -235,23 +232,15 @@ impl<const D: usize> FractureFlowStep<D> {
                 break;
             }
             self.react(&mut watch, imbalance);
-            let (way, tried) = self.direction(model, state, &at, dt, imbalance, report)?;
-            self.passes += 1;
-            let reached = self.search(model, state, &at, &way)?;
-            let length = reached.as_ref().map(|reached| reached.length);
-            self.daring.judge(tried, length);
-            let Some(reached) = reached else {
-                if tried != Softening::Exact {
-                    break;
-                }
-                // The exact tangent may have led astray; the others always lead down.
-                found = at;
-                continue;
+            let from = Pass {
+                start,
+                imbalance,
+                dt,
             };
-            found = match self.accelerate(start, state, reached.length, imbalance) {
-                true => self.evaluate(model, state)?,
-                false => reached.found,
-            };
+            match self.pass(model, state, at, from, report)? {
+                Some(next) => found = next,
+                None => break,
+            }
         }
         Err(StepError::NotBroken {
             time: state.time,
@@ -259,6 +248,45 @@ impl<const D: usize> FractureFlowStep<D> {
             tolerance: self.plan.tolerance,
             iterations: self.passes as usize,
         })
+    }
+
+    /// One pass of the displacement from a place whose pressure is brought to it; `None` if it leads
+    /// nowhere.
+    fn pass(
+        &mut self,
+        model: &Model<D>,
+        state: &mut State,
+        at: Trial<D>,
+        from: Pass,
+        report: &mut StepReport,
+    ) -> Result<Option<Trial<D>>, StepError> {
+        let Pass {
+            start,
+            imbalance,
+            dt,
+        } = from;
+        // Forces that are balanced to the last bits give no direction: the pressure alone moves on.
+        if imbalance <= BALANCED * self.plan.tolerance {
+            return Ok(Some(match self.accelerate(start, state, 1.0, imbalance) {
+                true => self.evaluate(model, state)?,
+                false => at,
+            }));
+        }
+        let (way, tried) = self.direction(model, state, &at, dt, imbalance, report)?;
+        self.passes += 1;
+        let reached = self.search(model, state, &at, &way)?;
+        let length = reached.as_ref().map(|reached| reached.length);
+        self.daring.judge(tried, length);
+        let Some(reached) = reached else {
+            // The exact tangent may have led astray; the others always lead down.
+            return Ok((tried == Softening::Exact).then_some(at));
+        };
+        Ok(Some(
+            match self.accelerate(start, state, reached.length, imbalance) {
+                true => self.evaluate(model, state)?,
+                false => reached.found,
+            },
+        ))
     }
 
     /// Forces out of balance, relative to all forces.
@@ -304,7 +332,7 @@ fn weigh_forces<const D: usize>(
 }
 
 /// What the pores took up since `old`, at the coefficients of now, m^D.
-pub fn taken<const D: usize>(
+fn taken<const D: usize>(
     model: &Model<D>,
     old: &State,
     state: &State,
@@ -316,4 +344,27 @@ pub fn taken<const D: usize>(
         *taken += flow.capacity[i] * step.pressure[i];
     }
     Ok(taken)
+}
+
+/// Enters into a report what came in over a step of `dt` seconds with the rates of a state, and what the
+/// pores took up.
+///
+/// # Errors
+/// [`StepError::Missing`] without flow.
+pub fn close<const D: usize>(
+    model: &Model<D>,
+    old: &State,
+    new: &State,
+    (dt, at): (f64, &State),
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    let flow = flow_of(model)?;
+    let mut imbalance = vec![0.0; flow.points()];
+    flow.imbalance(at.time, &at.pressure, &mut imbalance);
+    let taken = taken(model, old, new)?;
+    report.flows = weigh(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
+    let fixed = flow.fixed.iter().map(|fixed| taken[fixed.point]);
+    report.flows.fixed += fixed.sum::<f64>();
+    report.stored = Some(taken.iter().sum());
+    Ok(())
 }
