@@ -39,7 +39,7 @@ impl Fractures {
         let damage = solid.damage.as_ref()?;
         let now = damage.of(&state.history);
         let fresh = |i: usize| now[i] >= BROKEN && state.history[i] > damage.initial[i];
-        let length = started(plan, model) + grown(solid, fresh);
+        let length = started(plan, model) + grown(solid, fresh, |i| now[i] >= BROKEN);
         let answer = solid.answer(&state.displacement, &state.walls, &state.history)?;
         let forces = solid.wall_forces(&answer);
         let pressure = |(number, crack): (usize, &CrackPlan)| match &crack.injection {
