@@ -31,7 +31,7 @@ pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
 }
 
 /// Length of a crack through the points that `broke`, m (area in 3-D, m²), which goes on in all that is
-/// `broken`. At a tip points see half of a band, which adds about a horizon.
+/// `broken`: to a tenth, and a horizon or two at a tip, where points see half of a band.
 pub fn grown<const D: usize>(
     solid: &SolidModel<D>,
     broke: impl Fn(usize) -> bool,
@@ -131,7 +131,7 @@ mod tests {
                 let found = grown(solid, |i| within(i, 0.1), |i| within(i, 0.0));
                 let tip = 1.75 * ratio * 0.02;
                 assert!(
-                    (0.45..0.5 + tip).contains(&found),
+                    (0.45..0.55 + tip).contains(&found),
                     "{ratio} {rows}: {found}"
                 );
             }
