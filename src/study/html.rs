@@ -17,7 +17,7 @@ figure img{display:block;max-width:100%;height:auto}\
 figcaption,.caption{color:#555;font-size:.9rem;text-align:left;padding:.3rem 0}\
 .caption{margin:1rem 0 0}table{border-collapse:collapse;font-size:.8rem;width:100%}\
 th,td{padding:.3rem .5rem .3rem 0;border-bottom:1px solid #ddd;text-align:left;vertical-align:top}\
-th{border-bottom:2px solid #999}td{font-variant-numeric:tabular-nums}th,td{min-width:7rem}\
+th{border-bottom:2px solid #999}td{font-variant-numeric:tabular-nums}th,td{min-width:5rem}th{overflow-wrap:anywhere}\
 th.whole,td.whole{white-space:nowrap;min-width:0}\
 code{font-size:.85em;overflow-wrap:anywhere}details{margin:1rem 0}summary{cursor:pointer}\
 @media screen and (max-width:48rem){figure .broad{display:none}figure .narrow{display:block}\
