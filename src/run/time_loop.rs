@@ -327,8 +327,8 @@ impl<const D: usize> Run<'_, D> {
 
     fn control(&mut self, scheme: &dyn Scheme<D>) -> StepControl {
         let time = &self.plan.time;
-        if let (Some(limit), StepRule::Adaptive) = (scheme.limit(), time.step) {
-            let dt = time.safety * limit.dt;
+        let dt = self.allowed(scheme);
+        if dt.is_finite() {
             return StepControl::constant(dt.min(time.max_step.unwrap_or(dt)));
         }
         if let (Some(limit), StepRule::Fixed(dt)) = (scheme.limit(), time.step)

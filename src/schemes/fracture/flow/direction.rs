@@ -21,6 +21,7 @@ pub(super) struct Way {
     /// Slope and half the curvature of ½ pᵀMp along it.
     bend: [f64; 2],
 }
+
 impl<const D: usize> FractureFlowStep<D> {
     /// Solution of the linear system at a trial whose pressure is balanced.
     fn solution(

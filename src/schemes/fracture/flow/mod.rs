@@ -10,8 +10,9 @@
 //! pressure to the displacement, and walks down this potential along the solution of the coupled
 //! linear system. It ends when forces balance at coefficients and pressure that belong to the
 //! displacement itself, so the residual covers damage, opening, permeability and mass alike. In turns
-//! the pressure stands still while the displacement moves, which is enough where the pressure hardly
-//! depends on it, as in a crack of prescribed pressure.
+//! the pressure stands still while the displacement moves. That is enough where it hardly depends on the
+//! displacement, as in a crack of prescribed pressure; elsewhere its step carries the compliance of the
+//! fractures, and the residual covers what it owes to the strain.
 
 mod direction;
 mod passes;
@@ -67,8 +68,6 @@ pub struct FractureFlowStep<const D: usize> {
     relaxation: f64,
     /// Solver of the solid that measures it.
     demand: Demand,
-    /// Whether it stands in for the strain to come.
-    splits: bool,
     /// Unit of the pressure beside the displacement, m/Pa.
     unit: f64,
     passes: u64,
@@ -152,7 +151,6 @@ impl<const D: usize> FractureFlowStep<D> {
             compliance: Compliance::default(),
             relaxation: plan.scheme_options.relaxation,
             demand: plan.fracture_demand(),
-            splits: false,
             unit: 1.0,
             passes: 0,
             searches: 0,

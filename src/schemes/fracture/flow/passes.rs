@@ -102,7 +102,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let flow = flow_of(model)?;
         let (left, taken) = self.shortfall(model, old, state, dt)?;
         self.flow.forget(flow);
-        let split = match self.splits {
+        let split = match self.splits() {
             true => &self.compliance.storage[..],
             false => &[],
         };
@@ -117,6 +117,11 @@ impl<const D: usize> FractureFlowStep<D> {
         let pairs = split.iter().zip(&change);
         let owed: f64 = pairs.map(|(b, c)| (b * c).abs()).sum();
         Ok((iterations, owed / taken.max(f64::MIN_POSITIVE)))
+    }
+
+    /// Whether the compliance stands in for the strain to come: never where both are solved together.
+    fn splits(&self) -> bool {
+        self.compliance.strength > WEAK
     }
 
     /// Brings the compliance of the fractures to those of the last step, where fields take turns and the
@@ -135,8 +140,7 @@ impl<const D: usize> FractureFlowStep<D> {
             |raised: &mut State| Fracture::new(demand, model, plan)?.equilibrate(model, raised);
         let iterations = self.compliance.follow(model, old, self.relaxation, solid)?;
         let (moved, pressed) = (norm2(&state.displacement), norm2(&state.pressure));
-        self.splits = self.compliance.strength > WEAK;
-        self.acceleration.depth = if self.splits { DEEP } else { SHALLOW };
+        self.acceleration.depth = if self.splits() { DEEP } else { SHALLOW };
         if moved > 0.0 && pressed > 0.0 {
             self.unit = moved / pressed;
         }
@@ -179,7 +183,7 @@ impl<const D: usize> FractureFlowStep<D> {
     /// that make both count alike.
     fn unknowns(&self, state: &State) -> Vec<f64> {
         let pressure = state.pressure.iter().map(|p| self.unit * p);
-        let pressure = pressure.take(if self.splits { usize::MAX } else { 0 });
+        let pressure = pressure.take(if self.splits() { usize::MAX } else { 0 });
         state.displacement.iter().copied().chain(pressure).collect()
     }
 
