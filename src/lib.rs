@@ -22,6 +22,7 @@ pub mod material;
 pub mod model;
 pub mod operators;
 pub mod output;
+pub mod parallel;
 pub mod plan;
 pub mod reference;
 pub mod report;

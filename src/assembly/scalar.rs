@@ -6,18 +6,15 @@
 
 use std::cell::RefCell;
 
-use rayon::prelude::*;
-
 use super::Pattern;
 use crate::geometry::Vector;
 use crate::operators::{BondForm, Coupling, Extension};
+use crate::parallel::by_ranges;
 
 thread_local! {
     /// Column → place in the current row; one per thread, reused by every row that couples.
     static PLACE: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
 }
-
-const CHUNK: usize = 512;
 
 /// What refills of one pattern share.
 #[derive(Debug, Clone)]
@@ -193,23 +190,10 @@ pub(super) fn by_rows<T: Send>(
     data: &mut [T],
     work: impl Fn(usize, &mut [T]) + Sync,
 ) {
-    let rows = offsets.len() - 1;
-    let mut rest = data;
-    let mut chunks = Vec::with_capacity(rows.div_ceil(CHUNK));
-    for first in (0..rows).step_by(CHUNK) {
-        let last = (first + CHUNK).min(rows);
-        let (chunk, tail) = rest.split_at_mut((offsets[last] - offsets[first]) as usize);
-        chunks.push((first..last, chunk));
-        rest = tail;
-    }
-    chunks.into_par_iter().for_each(|(range, mut chunk)| {
-        for row in range {
-            let (part, tail) = chunk.split_at_mut((offsets[row + 1] - offsets[row]) as usize);
-            // Rows of other processes are empty.
-            if !part.is_empty() {
-                work(row, part);
-            }
-            chunk = tail;
+    by_ranges(offsets, data, |row, part| {
+        // Rows of other processes are empty.
+        if !part.is_empty() {
+            work(row, part);
         }
     });
 }

@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::Elastic;
+use super::{Elastic, Resting};
 use crate::geometry::{Matrix, Vector};
 use crate::material::{DamageLaw, HourglassRule, PointAnswer, Softening, Tangent};
+use crate::parallel::by_ranges;
 
 /// Damage at all points.
 #[derive(Debug)]
@@ -35,6 +36,8 @@ pub struct Answer<const D: usize> {
     pub hourglass: Vec<f64>,
     /// Hourglass energy per family that drives no damage, J, shape `(n,)`.
     pub rough: Vec<f64>,
+    /// Points that were to rest and had to be evaluated.
+    pub stirred: Vec<u32>,
     /// Energy of strain and what damage took, without what is in `rough`, J (per metre of thickness in
     /// 2-D).
     pub bulk: f64,
@@ -81,42 +84,51 @@ impl<const D: usize> Damage<D> {
             .answer(lame, toughness, history[owner], strain, rough)
     }
 
-    /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
+    /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³);
+    /// the law of points that rest is not evaluated.
     pub fn answer(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
+        resting: &Resting<D>,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Answer<D> {
-        self.evaluations
-            .fetch_add(elastic.points() as u64, Ordering::Relaxed);
-        let forces = |owner: usize| {
+        let families = &elastic.around.families;
+        let mut forces = vec![Vector::zeros(); families.bonds()];
+        let points = by_ranges(families.offsets(), &mut forces, |owner, forces| {
             let mut seen = None;
-            let forces = elastic.family_answer(
-                owner,
-                |bond| difference(owner, bond),
-                |strain, rough| {
-                    let point = self.at(elastic, history, owner, strain, rough);
-                    seen = Some((*strain, point));
-                    (point.stress, self.law.hourglass(point.damage))
-                },
-            );
-            (seen, forces)
-        };
-        let families: Vec<_> = (0..elastic.points()).into_par_iter().map(forces).collect();
+            let difference = |bond| difference(owner, bond);
+            let answer = |strain: &Matrix<D>, rough: f64| {
+                let rests = resting.answer(self, elastic, history, owner, strain, rough);
+                let point =
+                    rests.unwrap_or_else(|| self.at(elastic, history, owner, strain, rough));
+                seen = Some((*strain, point, rests.is_some()));
+                (point.stress, self.law.hourglass(point.damage))
+            };
+            let rough = elastic.family_answer(owner, difference, answer, forces);
+            (seen, rough)
+        });
         let mut answer = Answer {
-            forces: Vec::with_capacity(elastic.around.families.bonds()),
-            strain: Vec::with_capacity(elastic.points()),
-            driving: Vec::with_capacity(elastic.points()),
-            damage: Vec::with_capacity(elastic.points()),
-            hourglass: Vec::with_capacity(elastic.points()),
-            rough: Vec::with_capacity(elastic.points()),
+            forces,
+            strain: Vec::with_capacity(points.len()),
+            driving: Vec::with_capacity(points.len()),
+            damage: Vec::with_capacity(points.len()),
+            hourglass: Vec::with_capacity(points.len()),
+            rough: Vec::with_capacity(points.len()),
+            stirred: Vec::new(),
             bulk: 0.0,
         };
-        for (owner, (seen, (forces, rough))) in families.into_iter().enumerate() {
-            let Some((strain, point)) = seen else {
+        let mut evaluated = 0;
+        for (owner, (seen, rough)) in points.into_iter().enumerate() {
+            let Some((strain, point, rests)) = seen else {
                 continue;
             };
+            if !rests {
+                evaluated += 1;
+                answer
+                    .stirred
+                    .extend(resting.holds(owner).then_some(owner as u32));
+            }
             let volume = elastic.around.cloud.volume[owner];
             answer.bulk += volume * point.energy;
             answer.hourglass.push(self.law.hourglass(point.damage));
@@ -124,23 +136,27 @@ impl<const D: usize> Damage<D> {
                 HourglassRule::Variational => 0.0,
                 HourglassRule::Linear => rough,
             });
-            answer.forces.extend(forces);
             answer.strain.push(strain);
             answer.driving.push(point.driving);
             answer.damage.push(point.damage);
         }
+        self.evaluations.fetch_add(evaluated, Ordering::Relaxed);
         answer
     }
 
-    /// Tangents of all points at an answer.
+    /// Tangents at an answer of the points that rest in it, and of the others.
     pub fn tangents(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
+        resting: &Resting<D>,
         answer: &Answer<D>,
         softening: Softening,
     ) -> Vec<Tangent<D>> {
         let at = |(owner, strain): (usize, &Matrix<D>)| {
+            if resting.holds(owner) {
+                return resting.tangent(owner);
+            }
             let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
             let seen = (history[owner], answer.driving[owner]);
             self.law.tangent(lame, toughness, seen, strain, softening)

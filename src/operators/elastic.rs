@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::{Extension, Gradient, Neighbourhood};
 use crate::geometry::{Matrix, Vector};
 use crate::material::Lame;
+use crate::parallel::{TASK, by_ranges};
 
 /// Elastic operator over one neighbourhood; every displacement component has its own continuation.
 #[derive(Debug, Clone)]
@@ -112,71 +113,71 @@ impl<const D: usize> Elastic<D> {
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
         answer: impl Fn(usize, &Matrix<D>) -> (Matrix<D>, f64) + Sync,
     ) -> Vec<Vector<D>> {
-        let forces = |owner: usize| {
+        let families = &self.around.families;
+        let mut forces = vec![Vector::zeros(); families.bonds()];
+        by_ranges(families.offsets(), &mut forces, |owner, forces| {
             let difference = |bond: usize| difference(owner, bond);
-            self.family_answer(owner, difference, |strain, _| answer(owner, strain))
-                .0
-        };
-        (0..self.points())
-            .into_par_iter()
-            .flat_map_iter(forces)
-            .collect()
+            self.family_answer(owner, difference, |strain, _| answer(owner, strain), forces);
+        });
+        forces
     }
 
-    /// Forces on the ends of the bonds of one family, N, and its hourglass energy, J, without the factor
-    /// that `answer(strain, energy)` gives beside the stress.
+    /// Forces on the ends of the bonds of one family, N, into `forces`; gives its hourglass energy, J,
+    /// without the factor that `answer(strain, energy)` gives beside the stress.
     pub(super) fn family_answer(
         &self,
         owner: usize,
         difference: impl Fn(usize) -> Vector<D>,
         answer: impl FnOnce(&Matrix<D>, f64) -> (Matrix<D>, f64),
-    ) -> (Vec<Vector<D>>, f64) {
+        forces: &mut [Vector<D>],
+    ) -> f64 {
         let around = &self.around;
         let family = around.families.family(owner);
-        let differences: Vec<Vector<D>> = family.clone().map(difference).collect();
         let (mut slope, mut plain) = (Matrix::zeros(), Matrix::zeros());
-        for (bond, own) in family.clone().zip(&differences) {
-            slope += own * self.gradient.weight[bond].transpose();
+        for (bond, own) in family.clone().zip(&mut *forces) {
+            *own = difference(bond);
+            slope += *own * self.gradient.weight[bond].transpose();
         }
         match Arc::ptr_eq(&self.gradient, &self.plain) {
             true => plain = slope,
             false => {
-                for (bond, own) in family.clone().zip(&differences) {
+                for (bond, own) in family.clone().zip(&*forces) {
                     plain += own * self.plain.weight[bond].transpose();
                 }
             }
         }
-        let rest = |bond: usize, own: &Vector<D>| own - plain * around.bond_vector(owner, bond);
-        let pairs = || family.clone().zip(&differences);
-        let squares =
-            pairs().map(|(bond, own)| around.measure[bond] * rest(bond, own).norm_squared());
-        let rough = 0.5 * self.hourglass[owner] * squares.sum::<f64>();
+        let mut squares = 0.0;
+        for (bond, own) in family.clone().zip(&mut *forces) {
+            *own -= plain * around.bond_vector(owner, bond);
+            squares += around.measure[bond] * own.norm_squared();
+        }
+        let rough = 0.5 * self.hourglass[owner] * squares;
         let (stress, factor) = answer(&((slope + slope.transpose()) * 0.5), rough);
         let stress = stress * around.cloud.volume[owner];
         let hourglass = self.hourglass[owner] * factor;
-        let force = |(bond, own): (usize, &Vector<D>)| {
-            let held = rest(bond, own) * (hourglass * around.measure[bond]);
-            stress * self.gradient.weight[bond] + held
-        };
-        (pairs().map(force).collect(), rough)
+        for (bond, own) in family.zip(forces) {
+            let held = *own * (hourglass * around.measure[bond]);
+            *own = stress * self.gradient.weight[bond] + held;
+        }
+        rough
     }
 
     /// Sums bond forces to the derivative of the energy at every point, shape `(n·D,)`, N.
     pub fn gather(&self, forces: &[Vector<D>]) -> Vec<f64> {
         let families = &self.around.families;
-        let at = |point: usize| {
+        let mut sums = vec![0.0; D * self.points()];
+        let at = |(point, sums): (usize, &mut [f64])| {
             let own: Vector<D> = families.family(point).map(|bond| forces[bond]).sum();
             let dual: Vector<D> = families
                 .dual(point)
                 .map(|(_, bond)| self.signs(bond).component_mul(&forces[bond]))
                 .sum();
-            let total = dual - own;
-            (0..D).map(move |axis| total[axis]).collect::<Vec<f64>>()
+            sums.copy_from_slice((dual - own).as_slice());
         };
-        let mut sums: Vec<f64> = (0..self.points())
-            .into_par_iter()
-            .flat_map_iter(at)
-            .collect();
+        sums.par_chunks_mut(D)
+            .enumerate()
+            .with_min_len(TASK)
+            .for_each(at);
         families.share.complete(&mut sums, D);
         sums
     }

@@ -40,8 +40,13 @@ impl Fractures {
         let now = damage.of(&state.history);
         let fresh = |i: usize| now[i] >= BROKEN && state.history[i] > damage.initial[i];
         let length = started(plan, model) + grown(solid, fresh, |i| now[i] >= BROKEN);
-        let answer = solid.answer(&state.displacement, &state.walls, &state.history)?;
-        let forces = solid.wall_forces(&answer);
+        let forces = match solid.walls.is_empty() {
+            true => Vec::new(),
+            false => {
+                let answer = solid.answer(&state.displacement, &state.walls, &state.history)?;
+                solid.wall_forces(&answer)
+            }
+        };
         let pressure = |(number, crack): (usize, &CrackPlan)| match &crack.injection {
             Some(_) => model.injection_pressure(number, &state.pressure),
             None => crack

@@ -106,6 +106,14 @@ impl<const D: usize> DamageLaw<D> {
         }
     }
 
+    /// Part of a hourglass energy that drives damage.
+    pub fn driving_part(&self, rough: f64) -> f64 {
+        match self.hourglass {
+            HourglassRule::Variational => rough,
+            HourglassRule::Linear => 0.0,
+        }
+    }
+
     /// Answer to `strain` and to a hourglass energy density `rough` (J/m³) of a point that has seen
     /// `history`.
     pub fn answer(
@@ -117,10 +125,7 @@ impl<const D: usize> DamageLaw<D> {
         rough: f64,
     ) -> PointAnswer<D> {
         let parts = self.parts(lame, strain);
-        let driving = match self.hourglass {
-            HourglassRule::Variational => parts.driving + rough,
-            HourglassRule::Linear => parts.driving,
-        };
+        let driving = parts.driving + self.driving_part(rough);
         let damage = self.damage(history.max(driving), toughness);
         let left = self.degradation(damage);
         PointAnswer {

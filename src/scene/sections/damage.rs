@@ -36,6 +36,10 @@ pub struct Damage {
     /// The step fails beyond this many iterations.
     #[serde(default = "thousand")]
     pub iterations: Spanned<u64>,
+    /// Growth of damage at a point, in one step, below which it is evaluated at the end of the step only;
+    /// 0 (all points all the time) to 0.01.
+    #[serde(default = "hardly")]
+    pub resting_growth: Number,
     /// Growth of damage at a point, in one step, above which an adaptive step is cut; above 0, up
     /// to 1.
     #[serde(default = "third")]
@@ -94,6 +98,10 @@ fn thousand() -> Spanned<u64> {
     Spanned::nowhere(1000)
 }
 
+fn hardly() -> Number {
+    Number::si(1e-3)
+}
+
 fn third() -> Number {
     Number::si(0.3)
 }
@@ -110,6 +118,7 @@ impl Section for Damage {
             report.add(fault.at(self.tolerance.span()));
         }
         report.at_least("iterations", self.iterations, 1);
+        report.within("resting_growth", self.resting_growth, 0.0, 0.01);
         report.share("largest_increment", self.largest_increment);
         let shortest = self.shortest_step;
         shortest

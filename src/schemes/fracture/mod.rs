@@ -23,7 +23,7 @@ use super::solid::{Chosen, build_solver, mechanics_problem};
 use super::{SchemeCounters, SolidSolver, State, StepError, solid_of};
 use crate::material::Softening;
 use crate::model::{Model, SolidModel};
-use crate::operators::{Answer, Damage};
+use crate::operators::{Answer, Damage, Resting};
 use crate::plan::{DamageMethod, DamagePlan};
 use daring::Daring;
 use descent::{Reached, descend};
@@ -41,6 +41,7 @@ pub struct Fracture<const D: usize> {
     /// Whether the solver knows the matrix as it is.
     fresh: bool,
     daring: Daring,
+    resting: Resting<D>,
     /// Largest force on the solid so far, N: a scale once it is in two.
     largest: f64,
     newton: u64,
@@ -97,6 +98,7 @@ impl<const D: usize> Fracture<D> {
             tangent: TangentMatrix::new(solid),
             fresh: false,
             daring: Daring::new(plan.method),
+            resting: Resting::new(plan.resting_growth),
             largest: 0.0,
             newton: 0,
             searches: 0,
@@ -109,17 +111,21 @@ impl<const D: usize> Fracture<D> {
         state: &State,
         external: &[f64],
     ) -> Result<Trial<D>, StepError> {
-        let damage = damage_of(solid)?;
-        let difference =
-            |owner, bond| solid.difference(&state.displacement, &state.walls, owner, bond);
-        let answer = damage.answer(&solid.elastic, &state.history, difference);
-        let mut force = external.to_vec();
-        solid.subtract_answer(&answer, &mut force);
-        Ok(Trial {
-            work: dot(external, &state.displacement),
-            answer,
-            force,
-        })
+        weigh(solid, state, external, &self.resting)
+    }
+
+    /// Begins a step at the state as it is, where damage belongs to the displacement at all points.
+    fn settle(
+        &mut self,
+        solid: &SolidModel<D>,
+        state: &State,
+        external: &[f64],
+    ) -> Result<Trial<D>, StepError> {
+        let here = weigh(solid, state, external, &Resting::new(0.0))?;
+        let (damage, elastic) = (damage_of(solid)?, &solid.elastic);
+        self.resting
+            .settle(damage, elastic, &state.history, &here.answer);
+        Ok(here)
     }
 
     /// Scale of the forces, N.
@@ -147,8 +153,8 @@ impl<const D: usize> Fracture<D> {
         &mut self,
         solid: &SolidModel<D>,
         state: &mut State,
-        external: &[f64],
-    ) -> Result<usize, StepError> {
+        here: &Trial<D>,
+    ) -> Result<Option<usize>, StepError> {
         let before = state.walls.clone();
         solid.place_walls(state.time, &mut state.walls);
         let moves: Vec<f64> = state
@@ -158,11 +164,9 @@ impl<const D: usize> Fracture<D> {
             .map(|(n, o)| n - o)
             .collect();
         if moves.iter().all(|by| by.abs() <= 0.0) {
-            return Ok(0);
+            return Ok(None);
         }
-        let after = std::mem::replace(&mut state.walls, before);
-        let here = self.evaluate(solid, state, external)?;
-        self.bring(solid, state, &here, Softening::Bounded)?;
+        self.bring(solid, state, here, Softening::Bounded)?;
         let push = self.tangent.wall_push(solid, &moves);
         let force: Vec<f64> = here.force.iter().zip(&push).map(|(f, p)| f - p).collect();
         let (change, iterations) = self.solve(&force)?;
@@ -171,8 +175,7 @@ impl<const D: usize> Fracture<D> {
             .iter_mut()
             .zip(&change)
             .for_each(|(u, c)| *u += c);
-        state.walls = after;
-        Ok(iterations)
+        Ok(Some(iterations))
     }
 
     fn bring(
@@ -183,9 +186,14 @@ impl<const D: usize> Fracture<D> {
         softening: Softening,
     ) -> Result<(), StepError> {
         let damage = damage_of(solid)?;
-        let moved = self
-            .tangent
-            .update(solid, damage, &state.history, &at.answer, softening);
+        let moved = self.tangent.update(
+            solid,
+            damage,
+            &state.history,
+            &self.resting,
+            &at.answer,
+            softening,
+        );
         self.fresh &= !moved;
         Ok(())
     }
@@ -255,6 +263,25 @@ impl<const D: usize> Fracture<D> {
     }
 }
 
+/// What a solid answers to the displacement of a state, and what forces that leaves.
+fn weigh<const D: usize>(
+    solid: &SolidModel<D>,
+    state: &State,
+    external: &[f64],
+    resting: &Resting<D>,
+) -> Result<Trial<D>, StepError> {
+    let answer = solid
+        .answer_of(&state.displacement, &state.walls, &state.history, resting)
+        .ok_or(StepError::Missing { part: "[damage]" })?;
+    let mut force = external.to_vec();
+    solid.subtract_answer(&answer, &mut force);
+    Ok(Trial {
+        work: dot(external, &state.displacement),
+        answer,
+        force,
+    })
+}
+
 /// The damage of a solid that breaks.
 fn damage_of<const D: usize>(solid: &SolidModel<D>) -> Result<&Damage<D>, StepError> {
     solid
@@ -285,10 +312,15 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
         let external = model.push(state.time, &state.pressure);
-        let mut iterations = self.predict(solid, state, &external)?;
-        let mut at = self.evaluate(solid, state, &external)?;
+        let mut at = self.settle(solid, state, &external)?;
+        let mut iterations = 0;
+        if let Some(inner) = self.predict(solid, state, &at)? {
+            iterations += inner;
+            at = self.evaluate(solid, state, &external)?;
+        }
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
+            self.resting.wake(&at.answer.stirred);
             let scale = self.scale(solid, &external, &at.answer);
             let sum: f64 = at.force.iter().map(|f| f.abs()).sum();
             let imbalance = if scale > 0.0 { sum / scale } else { sum };

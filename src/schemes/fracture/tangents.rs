@@ -1,12 +1,13 @@
 //! The stiffness of a damaged solid: refilled where its tangents moved.
 
 use perifrac_solvers::CsrMatrix;
+use rayon::prelude::*;
 
 use crate::assembly::{Moduli, fill_rows};
 use crate::geometry::{Matrix, Vector};
 use crate::material::{Softening, Tangent};
 use crate::model::SolidModel;
-use crate::operators::{Answer, Damage, Elastic};
+use crate::operators::{Answer, Damage, Elastic, Resting};
 
 /// Change of a tangent, relative to the intact moduli, below which its rows are kept.
 pub const KEPT: f64 = 1e-3;
@@ -82,11 +83,12 @@ impl<const D: usize> TangentMatrix<D> {
         solid: &SolidModel<D>,
         damage: &Damage<D>,
         history: &[f64],
+        resting: &Resting<D>,
         answer: &Answer<D>,
         softening: Softening,
     ) -> bool {
         let elastic = &solid.elastic;
-        let next = damage.tangents(elastic, history, answer, softening);
+        let next = damage.tangents(elastic, history, resting, answer, softening);
         let moved = |i: usize| {
             let integrity = answer.hourglass[i] / self.integrity[i] - 1.0;
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
@@ -94,7 +96,7 @@ impl<const D: usize> TangentMatrix<D> {
             let weakest = next[i].shear.amin() / elastic.lame[i].mu;
             distance > self.kept.min(STALE * weakest) || integrity.abs() > STALE
         };
-        let changed: Vec<bool> = (0..next.len()).map(moved).collect();
+        let changed: Vec<bool> = (0..next.len()).into_par_iter().map(moved).collect();
         let count = changed.iter().filter(|changed| **changed).count();
         if count == 0 {
             return false;

@@ -10,7 +10,7 @@ use crate::schemes::fracture::descent::{Reached, descend};
 use crate::schemes::{State, StepError, StepReport, coupling_of, flow_of, solid_of};
 
 /// Residual of the linear systems of the displacement alone, relative to the forces out of balance.
-const FORCING_ALONE: f64 = 1e-3;
+const FORCING_ALONE: f64 = 1e-2;
 /// Change of the potential, relative to the energy, that is rounding error.
 const ROUNDING: f64 = 1e-13;
 
@@ -35,8 +35,14 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<Way, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let damage = damage_of(solid)?;
-        self.tangent
-            .update(solid, damage, &state.history, &at.answer, softening);
+        self.tangent.update(
+            solid,
+            damage,
+            &state.history,
+            &self.resting,
+            &at.answer,
+            softening,
+        );
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
             if self.upkeep.is_due() {

@@ -25,11 +25,12 @@ use perifrac_solvers::{
 use super::acceleration::Acceleration;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
+use super::damage_of;
 use super::daring::Daring;
 use super::tangents::TangentMatrix;
 use super::upkeep::Upkeep;
 use crate::model::Model;
-use crate::operators::Answer;
+use crate::operators::{Answer, Resting};
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio};
@@ -60,6 +61,9 @@ pub struct FractureFlowStep<const D: usize> {
     upkeep: Upkeep,
     acceleration: Acceleration,
     daring: Daring,
+    resting: Resting<D>,
+    /// What the last trial and the last accepted step answered at all points.
+    seen: [Option<Answer<D>>; 2],
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
     /// What fractures yield, where fields take turns.
@@ -144,6 +148,8 @@ impl<const D: usize> FractureFlowStep<D> {
             upkeep: Upkeep::default(),
             acceleration: Acceleration::new(SHALLOW),
             daring: Daring::new(damage.method),
+            resting: Resting::new(damage.resting_growth),
+            seen: [None, None],
             cut_above: match plan.time.step {
                 StepRule::Fixed(_) => f64::INFINITY,
                 StepRule::Adaptive => damage.shortest_step,
@@ -211,7 +217,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         }
         let old = state.clone();
         self.solve(model, &old, 0.0, state, &mut StepReport::default())?;
-        advance(model, state);
+        self.seen[1] = advance(model, state);
         Ok(())
     }
 
@@ -228,13 +234,18 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         for (u, rate) in trial.displacement.iter_mut().zip(&self.rates[1]) {
             *u += dt * rate;
         }
+        if let Some(seen) = &self.seen[1] {
+            let solid = solid_of(model)?;
+            let (damage, elastic) = (damage_of(solid)?, &solid.elastic);
+            self.resting.settle(damage, elastic, &old.history, seen);
+        }
         self.solve(model, old, dt, trial, &mut report)?;
         trial.check()?;
         self.rates[0].clear();
         let moved = trial.displacement.iter().zip(&old.displacement);
         self.rates[0].extend(moved.map(|(new, old)| (new - old) / dt));
         close(model, old, trial, (dt, trial), &mut report)?;
-        advance(model, trial);
+        self.seen[0] = advance(model, trial);
         report.growth = growth(model, old, trial);
         Ok(report)
     }
@@ -242,6 +253,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     fn accept(&mut self) {
         let [trial, accepted] = &mut self.rates;
         std::mem::swap(trial, accepted);
+        self.seen.swap(0, 1);
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -60,7 +60,12 @@ impl<const D: usize> FractureFlowStep<D> {
         state: &State,
     ) -> Result<Trial<D>, StepError> {
         let answer = solid_of(model)?
-            .answer(&state.displacement, &state.walls, &state.history)
+            .answer_of(
+                &state.displacement,
+                &state.walls,
+                &state.history,
+                &self.resting,
+            )
             .ok_or(StepError::Missing { part: "[damage]" })?;
         self.searches += 1;
         weigh_forces(model, state, answer)
@@ -212,6 +217,7 @@ impl<const D: usize> FractureFlowStep<D> {
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
+            self.resting.wake(&found.answer.stirred);
             model.follow_fractures(&found.answer, &state.displacement, &state.walls);
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;

@@ -1,0 +1,226 @@
+//! Points whose damage hardly grows in a step.
+//!
+//! They keep the damage and the tangent that they had when the step began, and their law is evaluated
+//! again at its end only. How far a strain has moved since then bounds what damage and stress can have
+//! done, so a point is stirred before either is wrong by more than the growth that is allowed.
+
+use crate::geometry::Matrix;
+use crate::material::{PointAnswer, Softening, Tangent};
+
+use super::{Answer, Damage, Elastic};
+
+/// Which points rest, and what they were when the step began.
+#[derive(Debug, Clone)]
+pub struct Resting<const D: usize> {
+    /// Growth of damage in a step below which a point rests; with 0 none does.
+    growth: f64,
+    rests: Vec<bool>,
+    began: Vec<Began<D>>,
+}
+
+/// A point when the step began.
+#[derive(Debug, Clone, Copy)]
+struct Began<const D: usize> {
+    strain: Matrix<D>,
+    /// Hourglass energy that drives damage, J/m³.
+    rough: f64,
+    damage: f64,
+    /// At fixed damage; its product with the strain is the stress.
+    tangent: Tangent<D>,
+}
+
+impl<const D: usize> Resting<D> {
+    /// Nobody rests before [`Resting::settle`]; afterwards those whose damage grows less than `growth`.
+    pub fn new(growth: f64) -> Self {
+        Resting {
+            growth,
+            rests: Vec::new(),
+            began: Vec::new(),
+        }
+    }
+
+    /// Begins a step at an answer for which every point was evaluated: those rest that would have rested
+    /// since the step before.
+    pub fn settle(
+        &mut self,
+        damage: &Damage<D>,
+        elastic: &Elastic<D>,
+        history: &[f64],
+        at: &Answer<D>,
+    ) {
+        let moved = |(began, strain): (&Began<D>, &Matrix<D>)| began.strain != *strain;
+        let first = self.began.is_empty();
+        // A step that is tried again begins where it did, and stirs the same points.
+        if self.growth <= 0.0 || !(first || self.began.iter().zip(&at.strain).any(moved)) {
+            return;
+        }
+        let nobody = Resting::new(0.0);
+        let tangents = damage.tangents(elastic, history, &nobody, at, Softening::Fixed);
+        let driven = |i: usize, strain| damage.law.parts(elastic.lame[i], strain).driving;
+        let now = tangents.into_iter().enumerate().map(|(i, tangent)| Began {
+            strain: at.strain[i],
+            rough: at.driving[i] - driven(i, &at.strain[i]),
+            damage: at.damage[i],
+            tangent,
+        });
+        let now: Vec<Began<D>> = now.collect();
+        let calm = |(i, now): (usize, &Began<D>)| {
+            first || !self.stirs(damage, elastic, i, &now.strain, now.rough)
+        };
+        self.rests = now.iter().enumerate().map(calm).collect();
+        self.began = now;
+    }
+
+    /// Whether a point rests.
+    pub fn holds(&self, point: usize) -> bool {
+        self.rests.get(point).copied().unwrap_or(false)
+    }
+
+    /// Wakes points for the rest of the step.
+    pub fn wake(&mut self, points: &[u32]) {
+        for point in points {
+            self.rests[*point as usize] = false;
+        }
+    }
+
+    /// Tangent of a point that rests.
+    pub fn tangent(&self, point: usize) -> Tangent<D> {
+        self.began[point].tangent
+    }
+
+    /// Whether damage or stress of a point may have moved by more than is allowed since the step began.
+    fn stirs(
+        &self,
+        damage: &Damage<D>,
+        elastic: &Elastic<D>,
+        point: usize,
+        strain: &Matrix<D>,
+        rough: f64,
+    ) -> bool {
+        let (began, lame) = (&self.began[point], elastic.lame[point]);
+        let moved = (strain - began.strain).norm();
+        let largest = lame.lambda * D as f64 + 2.0 * lame.mu;
+        let push = largest * (began.strain.norm() + 0.5 * moved) + damage.law.prestress.norm();
+        let driven = push * moved + (damage.law.driving_part(rough) - began.rough).max(0.0);
+        let turned = 2.0 * began.damage * moved;
+        driven > self.growth * damage.toughness[point] || turned > self.growth * strain.norm()
+    }
+
+    /// Answer of a point with the hourglass energy `rough` of its family, J; `None` unless it rests and
+    /// may go on resting.
+    ///
+    /// Damage as it was makes the energy too large if anything, so a search that stirs a point goes down
+    /// all the same.
+    pub(super) fn answer(
+        &self,
+        damage: &Damage<D>,
+        elastic: &Elastic<D>,
+        history: &[f64],
+        point: usize,
+        strain: &Matrix<D>,
+        rough: f64,
+    ) -> Option<PointAnswer<D>> {
+        let rough = rough / elastic.around.cloud.volume[point];
+        if !self.holds(point) || self.stirs(damage, elastic, point, strain, rough) {
+            return None;
+        }
+        let (began, law) = (&self.began[point], &damage.law);
+        let left = law.degradation(began.damage);
+        let stress = began.tangent.stress(strain);
+        let driven = law.prestress.dot(strain) + law.driving_part(rough);
+        Some(PointAnswer {
+            stress: stress + law.prestress * left,
+            driving: history[point],
+            damage: began.damage,
+            energy: 0.5 * stress.dot(strain)
+                + left * driven
+                + damage.toughness[point] * began.damage * began.damage,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::model::Model;
+    use crate::plan::resolve;
+    use crate::report::Timers;
+    use crate::scene::load_str;
+    use crate::schemes::State;
+
+    fn model(set: &[&str]) -> Model<2> {
+        let text = include_str!("../../cases/notched-tension/scene.toml");
+        let small = ["geometry.points=[12, 12]", "damage.length_scale=0.3 mm"];
+        let set: Vec<String> = small.iter().chain(set).map(|s| (*s).to_owned()).collect();
+        let loaded = load_str("notch", text, Path::new(""), &set).unwrap();
+        let plan = resolve(&loaded, "notch").unwrap();
+        Model::build(&plan, &mut Timers::default()).unwrap()
+    }
+
+    /// A rough displacement (m) that breaks some points well and others hardly.
+    fn displaced(size: f64) -> Vec<f64> {
+        let wave = |k: usize| (0.7 * k as f64).sin() + 0.02 * (k / 24) as f64 * (k % 2) as f64;
+        (0..288).map(|k| size * wave(k)).collect()
+    }
+
+    #[test]
+    fn points_that_rest_err_by_less_than_what_stirs_them() {
+        let growth = 1e-2;
+        for split in ["spectral", "volumetric-deviatoric", "none"] {
+            let model = model(&[&format!("damage.split={split}")]);
+            let solid = model.solid.as_ref().unwrap();
+            let (damage, elastic) = (solid.damage.as_ref().unwrap(), &solid.elastic);
+            let walls = State::initial(&model).walls;
+            let mut history = vec![0.0; elastic.points()];
+            let began = solid.answer(&displaced(2e-7), &walls, &history).unwrap();
+            damage.advance(&began.driving, &mut history);
+            let mut resting = Resting::new(growth);
+            resting.settle(damage, elastic, &history, &began);
+            let mut counts = [0, 0];
+            for change in [0.99, 0.999, 1.0, 1.001, 1.01, 1.5] {
+                let there = displaced(2e-7 * change);
+                let exact = solid.answer(&there, &walls, &history).unwrap();
+                let own = solid.answer_of(&there, &walls, &history, &resting).unwrap();
+                for i in 0..elastic.points() {
+                    let woken = own.stirred.contains(&(i as u32));
+                    counts[usize::from(woken)] += 1;
+                    let off = (own.damage[i] - exact.damage[i]).abs();
+                    assert!(off <= if woken { 0.0 } else { growth }, "{i} {split} {off}");
+                    let family = elastic.around.families.family(i);
+                    let size = |bond: usize| exact.forces[bond].norm();
+                    let off = |bond: usize| (own.forces[bond] - exact.forces[bond]).norm();
+                    let largest = family.clone().map(size).fold(0.0, f64::max);
+                    let off = family.map(off).fold(0.0, f64::max);
+                    assert!(off <= 4.0 * growth * largest, "{i} {split} {off} {largest}");
+                }
+                let bound = 1e-12 * exact.bulk;
+                assert!(own.bulk >= exact.bulk - bound, "{split} {change}");
+            }
+            assert!(
+                counts.iter().all(|count| *count > 100),
+                "{split} {counts:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_step_that_is_tried_again_keeps_who_was_stirred() {
+        let model = model(&[]);
+        let solid = model.solid.as_ref().unwrap();
+        let (damage, elastic) = (solid.damage.as_ref().unwrap(), &solid.elastic);
+        let walls = State::initial(&model).walls;
+        let history = vec![0.0; elastic.points()];
+        let at = solid.answer(&displaced(2e-7), &walls, &history).unwrap();
+        let mut resting = Resting::new(1e-3);
+        assert!(!resting.holds(7));
+        resting.settle(damage, elastic, &history, &at);
+        resting.wake(&[7]);
+        resting.settle(damage, elastic, &history, &at);
+        assert!(resting.holds(6) && !resting.holds(7));
+        let mut nobody = Resting::new(0.0);
+        nobody.settle(damage, elastic, &history, &at);
+        assert!(!nobody.holds(6));
+    }
+}
