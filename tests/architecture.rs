@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module may use those before it.
 const ORDER: &[&str] = &[
+    "parallel",
     "load",
     "geometry",
     "material",

@@ -171,7 +171,7 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
 /// Doubts of the plan, and those that need the cloud.
 fn warnings(plan: &Plan, sample: &Sample) -> Vec<String> {
     let width = (plan.damage.as_ref())
-        .and_then(|damage| width_warning(damage_width(sample.horizon[1], damage), damage));
+        .and_then(|damage| width_warning(damage_width(sample.horizon[0], damage), damage));
     plan.warnings.iter().cloned().chain(width).collect()
 }
 

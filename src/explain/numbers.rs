@@ -7,6 +7,9 @@ use crate::plan::{DamagePlan, MaterialPlan, Plan, TimeMode, damage_width};
 /// Poisson's ratio above which the rock counts as nearly incompressible.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
+/// Differences of horizons that are rounding error.
+const EQUAL: f64 = 1e-9;
+
 /// Numbers of the plan; those of time only where it passes.
 pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
     let mut numbers = Vec::new();
@@ -37,7 +40,7 @@ pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
         ));
     }
     if let Some(damage) = &plan.damage {
-        numbers.extend(fracture(plan, damage, sample.horizon[1]));
+        numbers.extend(fracture(plan, damage, sample.horizon));
     }
     if let (Some(flow), TimeMode::Transient) = (&sample.flow, plan.time.mode) {
         numbers.extend(transient(plan, sample, flow));
@@ -46,15 +49,25 @@ pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
     numbers
 }
 
-/// What it takes to break the rock, where the horizon is `delta` m.
-fn fracture(plan: &Plan, damage: &DamagePlan, delta: f64) -> Vec<Number> {
-    let width = damage_width(delta, damage);
-    let meaning = "width of a crack over the length scale of damage, at the largest horizon";
+/// What it takes to break the rock, where horizons lie between `low` and `high` m: where the cloud is
+/// finest, as that is where cracks are meant to go.
+fn fracture(plan: &Plan, damage: &DamagePlan, [low, high]: [f64; 2]) -> Vec<Number> {
+    let width = damage_width(low, damage);
+    let coarse = damage_width(high, damage);
+    let meaning = "width of a crack over the length scale of damage, at the smallest horizon";
+    let coarse = (coarse > (1.0 + EQUAL) * width).then(|| {
+        number(
+            "2δ/ℓ, coarse",
+            coarse,
+            "the same at the largest horizon: what a crack takes where it leaves the fine points",
+        )
+    });
     let strengths = |material: &MaterialPlan| {
         let own = strength(material, damage, width);
         own.into_iter().flatten()
     };
     std::iter::once(number("2δ/ℓ", width, meaning))
+        .chain(coarse)
         .chain(plan.materials.iter().flat_map(strengths))
         .collect()
 }

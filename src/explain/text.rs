@@ -109,10 +109,13 @@ impl Explanation {
 }
 
 fn range([low, high]: [f64; 2], unit: &str) -> String {
-    if (high - low).abs() <= 1e-9 * high {
-        format!("{high:.4} {unit}")
-    } else {
-        format!("{low:.4}…{high:.4} {unit}")
+    let shown = |value: f64| match value < 1e-2 {
+        true => format!("{value:.3e}"),
+        false => format!("{value:.4}"),
+    };
+    match (high - low).abs() <= 1e-9 * high {
+        true => format!("{} {unit}", shown(high)),
+        false => format!("{}…{} {unit}", shown(low), shown(high)),
     }
 }
 
@@ -147,5 +150,6 @@ mod tests {
         assert_eq!(grouped(40), "40");
         assert_eq!(bytes(2_500_000), "2.5 MB");
         assert_eq!(range([0.1, 0.1], "m"), "0.1000 m");
+        assert_eq!(range([1.8382e-6, 2.5], "m"), "1.838e-6…2.5000 m");
     }
 }

@@ -174,11 +174,15 @@ impl<const D: usize> Model<D> {
     }
 }
 
-/// A warning where the horizon makes cracks cost something else than their fracture energy.
+/// A warning where the smallest horizon makes cracks cost something else than their fracture energy.
 fn doubtful_width<const D: usize>(plan: &Plan, families: &Families<D>) -> Option<String> {
     let damage = plan.damage.as_ref()?;
-    let widest = families.horizon.iter().copied().fold(0.0, f64::max);
-    width_warning(damage_width(widest, damage), damage)
+    let finest = families
+        .horizon
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    width_warning(damage_width(finest, damage), damage)
 }
 
 fn injections<const D: usize>(
