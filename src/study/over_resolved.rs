@@ -8,8 +8,9 @@ use crate::plan::{Plan, TimeMode};
 
 /// Value of a variant that is one of a chain of over-resolved runs: 0 for the coarsest.
 const LEVEL: &str = "level";
-/// Runs of a chain: each has half the spacing and a quarter of the tolerance of the one before.
-const LEVELS: i32 = 3;
+/// Runs of a chain: each has half the spacing and a quarter of the tolerance of the one before, or half
+/// the step.
+pub const LEVELS: i32 = 3;
 /// By how much errors fall where the step or the spacing is halved, in theory.
 pub const SECOND_ORDER: f64 = 4.0;
 /// What is believed of a chain of two runs, which cannot tell: theory needs smooth fields.
@@ -140,21 +141,28 @@ pub fn chain(subject: &Subject, along: usize, least: f64) -> Vec<Variant> {
         let mut variant = method
             .variant(Some("auto"))
             .set(grid.overrides)
-            .with("spacing", grid.spacing)
-            .with(LEVEL, f64::from(level));
+            .with("spacing", grid.spacing);
         if subject.plan.time.mode == TimeMode::Transient {
             let tolerance = 2.0 * least * SECOND_ORDER.powi(-level);
             variant = variant
                 .set([format!("time.tolerance={tolerance:?}")])
                 .with("tolerance", tolerance);
         }
-        variant.scheme = "over-resolved".to_owned();
-        // Before all others, which are worth nothing without it.
-        variant.weight = f64::from(level - LEVELS);
-        variant.once = true;
-        Some(variant)
+        Some(as_level(variant, level))
     };
     (0..LEVELS).filter_map(level).collect()
+}
+
+/// A variant as the run of a chain at `level`, 0 for the coarsest.
+pub fn as_level(variant: Variant, level: i32) -> Variant {
+    Variant {
+        scheme: "over-resolved".to_owned(),
+        // Before all others, which are worth nothing without it.
+        weight: f64::from(level - LEVELS),
+        once: true,
+        ..variant
+    }
+    .with(LEVEL, f64::from(level))
 }
 
 /// Places along each line, lines per direction across in the plane and in space.

@@ -62,6 +62,12 @@ impl Subject {
         let method = |scheme, integrator| Method { scheme, integrator };
         let (second, first) = (Some("tr-bdf2"), Some("backward-euler"));
         let all = match self.is_coupled() {
+            true if self.plan.damage.is_some() => vec![
+                method("monolithic", first),
+                method("staggered", first),
+                method("semi-implicit", first),
+                method("explicit", None),
+            ],
             true => vec![
                 method("monolithic", second),
                 method("monolithic", first),

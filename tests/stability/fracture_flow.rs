@@ -42,6 +42,35 @@ fn a_pumped_crack_is_the_same_in_turns_and_both_at_once() {
     assert!(passes <= 40 * steps, "{passes} passes in {steps} steps");
 }
 
+/// In large first steps opening and flow throw each other back and forth: passes of full length run in
+/// circles and never end, at any step.
+#[test]
+fn passes_that_run_in_circles_are_shortened_until_they_meet() {
+    let run = |scheme: &str| {
+        let plan = plan_of_variant(
+            "natural-fractures",
+            "smoke",
+            &[
+                "output.plots=false",
+                "geometry.spacing=0.04",
+                "damage.length_scale=0.12",
+                "damage.largest_increment=0.6",
+                "time.end=0.2",
+                "time.first_step=0.02",
+                "time.max_step=0.2",
+                scheme,
+            ],
+        );
+        try_run(&plan).unwrap()
+    };
+    let (both, turns) = (run("scheme.name=monolithic"), run("scheme.name=staggered"));
+    assert!(apart(&turns, &both) < 1e-4, "{}", apart(&turns, &both));
+    let (steps, rejected) = (turns.0.steps, turns.0.counters.rejected);
+    assert_eq!((steps, rejected), (both.0.steps, 0));
+    let passes = turns.0.counters.coupling_iterations;
+    assert!(passes <= 30 * steps, "{passes} passes in {steps} steps");
+}
+
 /// Algorithm 3 with the compliance of the fracture: of first order in the step.
 #[test]
 fn lagging_schemes_come_to_the_monolithic_pressure_as_steps_shrink() {

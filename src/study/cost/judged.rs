@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::breaking;
 use crate::study::Measured;
 use crate::study::findings::{count, short};
 use crate::study::over_resolved::{LEAST_FALL, OverResolved, RESOLVED, is_level};
@@ -24,6 +25,8 @@ struct Exact {
     /// m; `None` (null) where clouds keep their spacing.
     spacing: Option<f64>,
     tolerance: Option<f64>,
+    /// Bound of its steps where clouds are the same, s.
+    step: Option<f64>,
     /// Estimate of its own error per field, relative to the range.
     doubt: BTreeMap<String, f64>,
     /// By how much the error fell from run to run of its chain.
@@ -44,6 +47,7 @@ impl Judged {
             points: exact.run.number("/points"),
             spacing: finite(exact.run.variant.value("spacing")),
             tolerance: finite(exact.run.variant.value("tolerance")),
+            step: finite(exact.run.variant.value(breaking::STEP)),
             verdict: exact.verdict().unwrap_or_default(),
             least: RESOLVED * exact.largest_doubt(),
             doubt: exact.doubt,
@@ -89,9 +93,10 @@ impl Judged {
             Some(spacing) => format!("a spacing of {} m", short(spacing)),
             None => "the same cloud, so that errors are those in time alone".to_owned(),
         };
-        let finer = match run.tolerance {
-            Some(tolerance) => format!("a tolerance of {} and {cloud}", short(tolerance)),
-            None => cloud,
+        let finer = match (run.tolerance, run.step) {
+            (Some(tolerance), _) => format!("a tolerance of {} and {cloud}", short(tolerance)),
+            (None, Some(step)) => format!("steps of at most {} s and {cloud}", short(step)),
+            (None, None) => cloud,
         };
         let fall = match run.fall {
             Some(fall) if fall < 1.0 => "errors do not fall from one to the next".to_owned(),

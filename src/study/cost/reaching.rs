@@ -130,7 +130,9 @@ pub(super) fn reaching(
 fn by_theory(runs: &[&Measured], error: f64) -> Option<Reach> {
     let [run] = runs else { return None };
     let (dimension, own) = (run.number("/dimension"), run.error());
-    let near = run.variant.scheme == "explicit" && own > error && own < 100.0 * error;
+    let other_clouds = run.variant.value("spacing").is_finite();
+    let near =
+        other_clouds && run.variant.scheme == "explicit" && own > error && own < 100.0 * error;
     near.then(|| Reach {
         cost: run.seconds() * (own / error).powf(0.5 * (dimension + 2.0)),
         grounds: Grounds::Theory,

@@ -1,6 +1,6 @@
 //! The runs of the study of cost.
 
-use super::steady_only;
+use super::{breaking, steady_only};
 use crate::plan::TimeMode;
 use crate::study::{Grid, Kept, Method, Options, StudyError, Subject, Variant, over_resolved};
 
@@ -10,6 +10,11 @@ type Range = (usize, usize);
 /// Every method on every cloud at every tolerance; without an exact solution, a chain of over-resolved
 /// runs as well.
 pub(super) fn variants(subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+    if let Some(damage) = &subject.plan.damage {
+        let lines = lines(subject)?;
+        let variants = breaking::variants(subject, damage, options);
+        return Ok(comparable(variants, &lines));
+    }
     let compared = subject.plan.reference.is_none();
     let lines = match compared {
         true => lines(subject)?,
@@ -31,13 +36,20 @@ pub(super) fn variants(subject: &Subject, options: &Options) -> Result<Vec<Varia
     if let (true, Some(finest), false) = (compared, finest, variants.is_empty()) {
         let least = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
         variants.extend(over_resolved::chain(subject, finest.along, least));
-        for variant in &mut variants {
-            let own = std::mem::take(variant).set(lines.clone());
-            *variant = own.set(["output.plots=false".to_owned()]);
-            variant.kept = Kept::Outputs;
-        }
+        variants = comparable(variants, &lines);
     }
     Ok(variants)
+}
+
+/// Variants that keep their fields along lines, to be compared with each other.
+fn comparable(variants: Vec<Variant>, lines: &[String]) -> Vec<Variant> {
+    let kept = |variant: Variant| Variant {
+        kept: Kept::Outputs,
+        ..variant
+            .set(lines.to_vec())
+            .set(["output.plots=false".to_owned()])
+    };
+    variants.into_iter().map(kept).collect()
 }
 
 /// Overrides that record what runs are compared by.
@@ -131,7 +143,7 @@ fn steady(subject: &Subject, options: &Options, grids: &[Grid]) -> Vec<Variant> 
 }
 
 /// Cheap first: points, tighter tolerances, and the many steps of methods without a linear system.
-fn weight(scheme: &str, points: usize, tolerance: f64) -> f64 {
+pub(super) fn weight(scheme: &str, points: usize, tolerance: f64) -> f64 {
     let points = points as f64;
     let steps = match tolerance.is_finite() {
         true => (1e-2 / tolerance).powf(0.3),

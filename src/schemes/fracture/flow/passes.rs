@@ -28,12 +28,20 @@ const LEAST_FORCING: f64 = 1e-8;
 /// Passes that are remembered where coefficients lag, and where the pressure has modes of its own, which
 /// the compliance fits more or less.
 pub const SHALLOW: usize = 4;
-const DEEP: usize = 10;
+const DEEP: usize = 16;
 /// Compliance of fractures over the storage in them below which the pressure hardly answers to the strain,
 /// and is brought to it in every pass.
 const WEAK: f64 = 0.1;
 /// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
 const OWED: f64 = 1e-7;
+
+/// Passes without progress after which they are shortened by a half, and after which the step is given up.
+const STUCK: usize = 8;
+const GIVEN_UP: usize = 80;
+/// Share of the least so far below which a pass has made progress.
+const PROGRESS: f64 = 0.9;
+/// Shortest share of a pass.
+const SHORTEST: f64 = 0.125;
 
 /// Where the passes of a step stand.
 struct Watch {
@@ -41,6 +49,26 @@ struct Watch {
     best: f64,
     /// That of the pass before.
     before: f64,
+    /// Least of the larger of both, what is out of balance and what is owed, over what is allowed.
+    least: f64,
+    /// Passes since the last progress.
+    stuck: usize,
+    /// Share of a pass that is taken: passes that go round in circles meet where they are shortened.
+    share: f64,
+}
+
+impl Watch {
+    /// Takes note of how far off a pass starts; false once there is no hope.
+    fn goes_on(&mut self, off: f64) -> bool {
+        self.stuck += 1;
+        if off <= PROGRESS * self.least {
+            (self.least, self.stuck) = (off, 0);
+        }
+        if self.stuck > 0 && self.stuck.is_multiple_of(STUCK) {
+            self.share = (0.5 * self.share).max(SHORTEST);
+        }
+        self.stuck < GIVEN_UP
+    }
 }
 
 /// Where a pass starts.
@@ -49,6 +77,8 @@ struct Pass {
     start: Vec<f64>,
     /// Forces out of balance, relative to all forces.
     imbalance: f64,
+    /// Share of the pass to take.
+    share: f64,
     /// Step, s.
     dt: f64,
 }
@@ -168,12 +198,18 @@ impl<const D: usize> FractureFlowStep<D> {
         start: Vec<f64>,
         state: &mut State,
         length: f64,
-        imbalance: f64,
+        (imbalance, share): (f64, f64),
     ) -> bool {
         // A shortened or stretched pass is no pass of the same map.
         if imbalance > NEAR || (length - 1.0).abs() > 0.0 {
             self.acceleration.forget();
-            return false;
+            if share >= 1.0 {
+                return false;
+            }
+            let pairs = start.iter().zip(self.unknowns(state));
+            let part: Vec<f64> = pairs.map(|(s, e)| s + share * (e - s)).collect();
+            self.set_unknowns(&part, state);
+            return true;
         }
         let end = self.unknowns(state);
         let next = self.acceleration.next(start, &end);
@@ -213,6 +249,9 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut watch = Watch {
             best: f64::INFINITY,
             before: f64::INFINITY,
+            least: f64::INFINITY,
+            stuck: 0,
+            share: 1.0,
         };
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
@@ -238,13 +277,15 @@ impl<const D: usize> FractureFlowStep<D> {
                 });
             }
             watch.best = watch.best.min(imbalance);
-            if pass == self.plan.iterations {
+            let off = (imbalance / self.plan.tolerance).max(owed / OWED);
+            if !watch.goes_on(off) || pass == self.plan.iterations {
                 break;
             }
             self.react(&mut watch, imbalance);
             let from = Pass {
                 start,
                 imbalance,
+                share: watch.share,
                 dt,
             };
             match self.pass(model, state, at, from, report)? {
@@ -273,11 +314,13 @@ impl<const D: usize> FractureFlowStep<D> {
         let Pass {
             start,
             imbalance,
+            share,
             dt,
         } = from;
+        let how = (imbalance, share);
         // Forces that are balanced to the last bits give no direction: the pressure alone moves on.
         if imbalance <= BALANCED * self.plan.tolerance {
-            return Ok(Some(match self.accelerate(start, state, 1.0, imbalance) {
+            return Ok(Some(match self.accelerate(start, state, 1.0, how) {
                 true => self.evaluate(model, state)?,
                 false => at,
             }));
@@ -292,7 +335,7 @@ impl<const D: usize> FractureFlowStep<D> {
             return Ok((tried == Softening::Exact).then_some(at));
         };
         Ok(Some(
-            match self.accelerate(start, state, reached.length, imbalance) {
+            match self.accelerate(start, state, reached.length, how) {
                 true => self.evaluate(model, state)?,
                 false => reached.found,
             },
