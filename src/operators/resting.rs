@@ -1,7 +1,7 @@
 //! Points whose damage hardly grows in a step.
 //!
 //! They keep the damage and the tangent that they had when the step began, and their law is evaluated
-//! again at its end only. How far a strain has moved since then bounds what damage and stress can have
+//! again where the step seems to be at its end, which it is if forces balance then too. How far a strain has moved since then bounds what damage and stress can have
 //! done, so a point is stirred before either is wrong by more than the growth that is allowed.
 
 use crate::geometry::Matrix;
@@ -39,8 +39,8 @@ impl<const D: usize> Resting<D> {
         }
     }
 
-    /// Begins a step at an answer for which every point was evaluated: those rest that would have rested
-    /// since the step before.
+    /// Begins anew at an answer for which every point was evaluated: those rest that would have rested
+    /// since it began last.
     pub fn settle(
         &mut self,
         damage: &Damage<D>,
@@ -74,6 +74,11 @@ impl<const D: usize> Resting<D> {
     /// Whether a point rests.
     pub fn holds(&self, point: usize) -> bool {
         self.rests.get(point).copied().unwrap_or(false)
+    }
+
+    /// Whether any point rests.
+    pub fn any(&self) -> bool {
+        self.rests.contains(&true)
     }
 
     /// Wakes points for the rest of the step.

@@ -471,3 +471,51 @@ fn errors_within_the_doubt_are_not_resolved() {
     let page = String::from_utf8(place.read("s/report.html")).unwrap();
     assert!(page.contains("error not resolved"));
 }
+
+/// Where rock breaks methods are compared on the scene's own cloud. In turns and both at once come to the same
+/// state, so they have the same error at the same bound of the steps.
+#[test]
+fn the_cost_of_rock_that_breaks_is_compared_on_one_cloud() {
+    let place = Place::new();
+    place.succeed(&[
+        "study",
+        "cost",
+        "natural-fractures/smoke",
+        "--set",
+        "geometry.spacing=4 cm",
+        "--set",
+        "damage.length_scale=12 cm",
+        "--schemes",
+        "monolithic,staggered",
+        "--solvers",
+        "auto",
+        "--quick",
+        "--out",
+        "s",
+    ]);
+    let report = report(&place, "s");
+    let runs = report["runs"].as_array().unwrap();
+    let errors = |scheme: &str| -> Vec<(f64, f64)> {
+        let own = runs.iter().filter(|run| run["scheme"] == scheme);
+        own.map(|run| {
+            assert_eq!(run["measures"]["points"], 288.0, "{run}");
+            let step = run["varied"]["largest step"].as_f64().unwrap();
+            (step, run["measures"]["error"].as_f64().unwrap())
+        })
+        .collect()
+    };
+    let both = errors("monolithic backward Euler");
+    let turns = errors("staggered backward Euler");
+    assert_eq!((both.len(), turns.len()), (2, 2));
+    for ((step, both), (same, turns)) in both.iter().zip(&turns) {
+        assert!((step - same).abs() < 1e-12);
+        assert!((both / turns - 1.0).abs() < 0.02, "{both} and {turns}");
+    }
+    let (long, short) = (both[0], both[1]);
+    assert!(short.0 < long.0 && short.1 < 0.9 * long.1, "{both:?}");
+    let judged = &report["findings"]["over_resolved"]["run"];
+    assert!(
+        (judged["step"].as_f64().unwrap() / short.0 - 0.125).abs() < 1e-9,
+        "{judged}"
+    );
+}

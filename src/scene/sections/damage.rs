@@ -99,7 +99,7 @@ fn thousand() -> Spanned<u64> {
 }
 
 fn hardly() -> Number {
-    Number::si(1e-3)
+    Number::si(3e-4)
 }
 
 fn third() -> Number {

@@ -35,9 +35,10 @@ const WEAK: f64 = 0.1;
 /// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
 const OWED: f64 = 1e-7;
 
-/// Passes without progress after which they are shortened by a half, and after which the step is given up.
+/// Passes without progress, where the pressure answers to the strain, after which they are shortened by a
+/// half, and after which the step is given up.
 const STUCK: usize = 8;
-const GIVEN_UP: usize = 80;
+const GIVEN_UP: usize = 200;
 /// Share of the least so far below which a pass has made progress.
 const PROGRESS: f64 = 0.9;
 /// Shortest share of a pass.
@@ -99,6 +100,18 @@ impl<const D: usize> FractureFlowStep<D> {
             .ok_or(StepError::Missing { part: "[damage]" })?;
         self.searches += 1;
         weigh_forces(model, state, answer)
+    }
+
+    /// Evaluates all points, those that rest too, which go on resting from here.
+    fn settle(&mut self, model: &Model<D>, state: &State) -> Result<Answer<D>, StepError> {
+        let solid = solid_of(model)?;
+        let answer = solid
+            .answer(&state.displacement, &state.walls, &state.history)
+            .ok_or(StepError::Missing { part: "[damage]" })?;
+        let damage = damage_of(solid)?;
+        self.resting
+            .settle(damage, &solid.elastic, &state.history, &answer);
+        Ok(answer)
     }
 
     /// What the pores must still take up over the step, zero where the pressure is prescribed, and what
@@ -268,7 +281,17 @@ impl<const D: usize> FractureFlowStep<D> {
             let at = weigh_forces(model, state, found.answer)?;
             let imbalance = self.imbalance(&at, state.time)?;
             if imbalance <= self.plan.tolerance && owed <= OWED {
-                return Ok(());
+                if !self.resting.any() {
+                    return Ok(());
+                }
+                // Points that rest have the damage of before, which is brought up to date.
+                let full = self.settle(model, state)?;
+                let at = weigh_forces(model, state, full)?;
+                if self.imbalance(&at, state.time)? <= self.plan.tolerance {
+                    return Ok(());
+                }
+                found = at;
+                continue;
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
                 return Err(StepError::Runs {
@@ -277,8 +300,10 @@ impl<const D: usize> FractureFlowStep<D> {
                 });
             }
             watch.best = watch.best.min(imbalance);
+            // A crack that runs makes no progress for long, but does not answer to its own fluid then.
             let off = (imbalance / self.plan.tolerance).max(owed / OWED);
-            if !watch.goes_on(off) || pass == self.plan.iterations {
+            let hopeless = self.splits() && !watch.goes_on(off);
+            if hopeless || pass == self.plan.iterations {
                 break;
             }
             self.react(&mut watch, imbalance);
