@@ -1,15 +1,16 @@
 //! Points whose damage hardly grows in a step.
 //!
-//! They keep the damage and the tangent that they had when the step began, and their law is evaluated
-//! again where the step seems to be at its end, which it is if forces balance then too. How far a strain has moved since then bounds what damage and stress can have
-//! done, so a point is stirred before either is wrong by more than the growth that is allowed.
+//! They keep the damage and the tangent of the state in which all points were evaluated last, and are
+//! evaluated again where the step seems to be at its end, which it is if forces balance then too. How far
+//! a strain has moved since bounds what damage and stress can have done, so a point is stirred before
+//! either is wrong by more than the growth that is allowed.
 
 use crate::geometry::Matrix;
 use crate::material::{PointAnswer, Softening, Tangent};
 
 use super::{Answer, Damage, Elastic};
 
-/// Which points rest, and what they were when the step began.
+/// Which points rest, and what they were when all were evaluated last.
 #[derive(Debug, Clone)]
 pub struct Resting<const D: usize> {
     /// Growth of damage in a step below which a point rests; with 0 none does.
@@ -18,7 +19,7 @@ pub struct Resting<const D: usize> {
     began: Vec<Began<D>>,
 }
 
-/// A point when the step began.
+/// A point when all were evaluated last.
 #[derive(Debug, Clone, Copy)]
 struct Began<const D: usize> {
     strain: Matrix<D>,
@@ -50,8 +51,8 @@ impl<const D: usize> Resting<D> {
     ) {
         let moved = |(began, strain): (&Began<D>, &Matrix<D>)| began.strain != *strain;
         let first = self.began.is_empty();
-        // A step that is tried again begins where it did, and stirs the same points.
-        if self.growth <= 0.0 || !(first || self.began.iter().zip(&at.strain).any(moved)) {
+        // Where nothing has moved the same points are stirred again.
+        if self.is_off() || !(first || self.began.iter().zip(&at.strain).any(moved)) {
             return;
         }
         let nobody = Resting::new(0.0);
@@ -76,9 +77,9 @@ impl<const D: usize> Resting<D> {
         self.rests.get(point).copied().unwrap_or(false)
     }
 
-    /// Whether any point rests.
-    pub fn any(&self) -> bool {
-        self.rests.contains(&true)
+    /// Whether no point ever rests.
+    pub fn is_off(&self) -> bool {
+        self.growth <= 0.0
     }
 
     /// Wakes points for the rest of the step.

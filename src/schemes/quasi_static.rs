@@ -3,7 +3,6 @@
 use super::solid::SolidSolver;
 use super::{Scheme, SchemeCounters, State, StepError, StepReport};
 use crate::model::Model;
-use crate::operators::Answer;
 
 /// Equilibrium at the end of every step.
 pub struct QuasiStatic<const D: usize> {
@@ -21,14 +20,13 @@ impl<const D: usize> QuasiStatic<D> {
     }
 }
 
-/// Keeps what the state drove, as damage does not heal, and gives what all points answered; `None` without
-/// damage.
-pub fn advance<const D: usize>(model: &Model<D>, state: &mut State) -> Option<Answer<D>> {
-    let solid = model.solid.as_ref()?;
-    let damage = solid.damage.as_ref()?;
-    let answer = solid.answer(&state.displacement, &state.walls, &state.history)?;
-    damage.advance(&answer.driving, &mut state.history);
-    Some(answer)
+/// Keeps what the state drove: damage does not heal.
+pub fn advance<const D: usize>(model: &Model<D>, state: &mut State) {
+    let Some(solid) = &model.solid else { return };
+    let answer = solid.answer(&state.displacement, &state.walls, &state.history);
+    if let (Some(damage), Some(answer)) = (&solid.damage, answer) {
+        damage.advance(&answer.driving, &mut state.history);
+    }
 }
 
 /// Largest growth of damage at a point between two states; `None` without damage.

@@ -37,7 +37,7 @@ pub struct Damage {
     #[serde(default = "thousand")]
     pub iterations: Spanned<u64>,
     /// Growth of damage at a point, in one step, below which it is evaluated at the end of the step only;
-    /// 0 (all points all the time) to 0.01.
+    /// 0 (all points all the time) to 0.01, and at most 30 times `tolerance`.
     #[serde(default = "hardly")]
     pub resting_growth: Number,
     /// Growth of damage at a point, in one step, above which an adaptive step is cut; above 0, up

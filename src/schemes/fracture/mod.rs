@@ -52,6 +52,8 @@ pub struct Fracture<const D: usize> {
 const FORCING: f64 = 1e-3;
 /// Share of the largest force so far that still counts as a scale.
 const REMEMBERED: f64 = 1e-2;
+/// Growth of damage below which points may rest, over the tolerance of the forces.
+const RESTING: f64 = 30.0;
 /// Change of the potential, relative to it, that is rounding error.
 const ROUNDING: f64 = 1e-14;
 
@@ -98,7 +100,7 @@ impl<const D: usize> Fracture<D> {
             tangent: TangentMatrix::new(solid),
             fresh: false,
             daring: Daring::new(plan.method),
-            resting: Resting::new(plan.resting_growth),
+            resting: Resting::new(allowed_growth(&plan)),
             largest: 0.0,
             newton: 0,
             searches: 0,
@@ -263,6 +265,12 @@ impl<const D: usize> Fracture<D> {
     }
 }
 
+/// Growth of damage below which points rest: where forces are to balance better, more passes would begin
+/// anew than evaluations are saved.
+fn allowed_growth(plan: &DamagePlan) -> f64 {
+    plan.resting_growth.min(RESTING * plan.tolerance)
+}
+
 /// What a solid answers to the displacement of a state, and what forces that leaves.
 fn weigh<const D: usize>(
     solid: &SolidModel<D>,
@@ -312,7 +320,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
         let external = model.push(state.time, &state.pressure);
-        let mut at = self.settle(solid, state, &external)?;
+        let mut at = self.evaluate(solid, state, &external)?;
         let mut iterations = 0;
         if let Some(inner) = self.predict(solid, state, &at)? {
             iterations += inner;
@@ -328,7 +336,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
                 return Err(not_finite::<D>(&at.force, state.time));
             }
             if sum <= self.plan.tolerance * scale {
-                if !self.resting.any() {
+                if self.resting.is_off() {
                     return Ok(iterations);
                 }
                 // Points that rest have the damage of before, which is brought up to date.

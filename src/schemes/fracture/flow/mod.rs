@@ -23,9 +23,9 @@ use perifrac_solvers::{
 };
 
 use super::acceleration::Acceleration;
+use super::allowed_growth;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
-use super::damage_of;
 use super::daring::Daring;
 use super::tangents::TangentMatrix;
 use super::upkeep::Upkeep;
@@ -62,8 +62,6 @@ pub struct FractureFlowStep<const D: usize> {
     acceleration: Acceleration,
     daring: Daring,
     resting: Resting<D>,
-    /// What the last trial and the last accepted step answered at all points.
-    seen: [Option<Answer<D>>; 2],
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
     /// What fractures yield, where fields take turns.
@@ -148,8 +146,7 @@ impl<const D: usize> FractureFlowStep<D> {
             upkeep: Upkeep::default(),
             acceleration: Acceleration::new(SHALLOW),
             daring: Daring::new(damage.method),
-            resting: Resting::new(damage.resting_growth),
-            seen: [None, None],
+            resting: Resting::new(allowed_growth(&damage)),
             cut_above: match plan.time.step {
                 StepRule::Fixed(_) => f64::INFINITY,
                 StepRule::Adaptive => damage.shortest_step,
@@ -217,7 +214,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         }
         let old = state.clone();
         self.solve(model, &old, 0.0, state, &mut StepReport::default())?;
-        self.seen[1] = advance(model, state);
+        advance(model, state);
         Ok(())
     }
 
@@ -234,18 +231,13 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         for (u, rate) in trial.displacement.iter_mut().zip(&self.rates[1]) {
             *u += dt * rate;
         }
-        if let Some(seen) = &self.seen[1] {
-            let solid = solid_of(model)?;
-            let (damage, elastic) = (damage_of(solid)?, &solid.elastic);
-            self.resting.settle(damage, elastic, &old.history, seen);
-        }
         self.solve(model, old, dt, trial, &mut report)?;
         trial.check()?;
         self.rates[0].clear();
         let moved = trial.displacement.iter().zip(&old.displacement);
         self.rates[0].extend(moved.map(|(new, old)| (new - old) / dt));
         close(model, old, trial, (dt, trial), &mut report)?;
-        self.seen[0] = advance(model, trial);
+        advance(model, trial);
         report.growth = growth(model, old, trial);
         Ok(report)
     }
@@ -253,7 +245,6 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     fn accept(&mut self) {
         let [trial, accepted] = &mut self.rates;
         std::mem::swap(trial, accepted);
-        self.seen.swap(0, 1);
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -281,7 +281,7 @@ impl<const D: usize> FractureFlowStep<D> {
             let at = weigh_forces(model, state, found.answer)?;
             let imbalance = self.imbalance(&at, state.time)?;
             if imbalance <= self.plan.tolerance && owed <= OWED {
-                if !self.resting.any() {
+                if self.resting.is_off() {
                     return Ok(());
                 }
                 // Points that rest have the damage of before, which is brought up to date.
