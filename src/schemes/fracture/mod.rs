@@ -394,4 +394,6 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
 }
 
 #[cfg(test)]
+mod resting_tests;
+#[cfg(test)]
 mod tests;
