@@ -129,7 +129,7 @@ mod tests {
         assert!((u[0] - exact[0]).abs() < 1e-8 && (u[1] - exact[1]).abs() < 1e-8);
     }
 
-    /// Passes of a hundredth of the way each: the limit of a leap grows while leaps go well.
+    /// Passes of a thousandth of the way each: the limit of a leap grows while leaps go well.
     #[test]
     fn passes_that_hardly_move_are_carried_on_as_far_as_it_takes() {
         let map = |u: &[f64]| vec![0.999 * u[0] + 0.001, 0.998 * u[1]];
