@@ -4,6 +4,43 @@ use perifrac_solvers::{SolveError, SpecError};
 
 use crate::assembly::PatternError;
 
+/// Why a step was rejected: the measure that it did not meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Rejection {
+    /// The error estimate of the step, or values that left all bounds.
+    Error,
+    /// Growth of damage within the step.
+    Growth,
+    /// The linear solver or the relaxation that stands in for it.
+    Solver,
+    /// Passes between the fields, or between damage and displacement.
+    Coupling,
+    /// Balance of mass, momentum or energy.
+    Balance,
+}
+
+impl Rejection {
+    /// All reasons, in the order of reports.
+    pub const ALL: [Rejection; 5] = [
+        Rejection::Error,
+        Rejection::Growth,
+        Rejection::Solver,
+        Rejection::Coupling,
+        Rejection::Balance,
+    ];
+
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rejection::Error => "error",
+            Rejection::Growth => "growth",
+            Rejection::Solver => "solver",
+            Rejection::Coupling => "coupling",
+            Rejection::Balance => "balance",
+        }
+    }
+}
+
 /// A step that cannot be accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum StepError {
@@ -201,6 +238,29 @@ fn remedy(relaxation: f64) -> &'static str {
 }
 
 impl StepError {
+    /// What the step did not meet.
+    pub fn reason(&self) -> Rejection {
+        match self {
+            StepError::Solve(_)
+            | StepError::Spec(_)
+            | StepError::Pattern(_)
+            | StepError::NotRelaxed { .. } => Rejection::Solver,
+            StepError::Runs { .. } => Rejection::Growth,
+            StepError::NotBroken { .. }
+            | StepError::CouplingDiverged { .. }
+            | StepError::CouplingUnstable { .. }
+            | StepError::FractureUnstable { .. } => Rejection::Coupling,
+            StepError::NoEquilibrium { .. }
+            | StepError::LoosePlate
+            | StepError::NoSteadyState { .. } => Rejection::Balance,
+            StepError::NotFinite { .. }
+            | StepError::Unstable { .. }
+            | StepError::TooSmall { .. }
+            | StepError::Missing { .. }
+            | StepError::Refused { .. } => Rejection::Error,
+        }
+    }
+
     /// Whether a smaller step cannot help.
     pub fn is_final(&self) -> bool {
         matches!(
@@ -213,5 +273,27 @@ impl StepError {
                 | StepError::Refused { .. }
                 | StepError::LoosePlate
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_solve_and_passes_that_do_not_meet_are_told_apart() {
+        let singular = StepError::Solve(SolveError::Singular { row: 3 });
+        let apart = StepError::NotBroken {
+            time: 1.0,
+            residual: 0.1,
+            tolerance: 1e-4,
+            iterations: 9,
+        };
+        let runs = StepError::Runs {
+            time: 1.0,
+            most: 0.1,
+        };
+        let reasons = [&singular, &apart, &runs].map(|error| error.reason().name());
+        assert_eq!(reasons, ["solver", "coupling", "growth"]);
     }
 }
