@@ -62,7 +62,7 @@ impl Resolver<'_> {
             None => None,
         };
         self.check_cracks(dimension);
-        let time = control::time(&scene.time);
+        let time = control::time(&scene.time, scene.fracture_flow.is_some());
         let mut plan = Plan {
             case: case.to_owned(),
             title: scene.title.clone(),
