@@ -10,6 +10,7 @@ mod flow;
 mod fracture_flow;
 mod places;
 mod properties;
+mod rounding;
 mod sample;
 mod solid;
 mod stabilisation;
