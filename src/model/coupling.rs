@@ -179,13 +179,17 @@ impl<const D: usize> Model<D> {
             solid.subtract_answer(&answer, &mut force);
             let left: f64 = force.iter().map(|f| f.abs()).sum();
             let held: f64 = solid.wall_forces(&answer).iter().map(|f| f.abs()).sum();
-            let energy = answer.energy(&answer.hourglass) + self.stored_energy(pressure);
+            let elastic = answer.energy(&answer.hourglass);
+            let energy = elastic + self.stored_energy(pressure);
             let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
             let scale = size(&loads) + size(&push) + held;
             return Some(Audit {
                 momentum: if scale > 0.0 { left / scale } else { 0.0 },
                 energy,
                 potential: energy - dot(&loads, displacement),
+                elastic,
+                left,
+                scale,
             });
         }
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
@@ -193,13 +197,16 @@ impl<const D: usize> Model<D> {
         solid.subtract_internal(displacement, walls, &mut force);
         // u·(K u + r w) is what the external forces do less what is left of them.
         let inner = outer - dot(&force, displacement);
-        let energy =
-            0.5 * (inner + solid.wall_work(displacement, walls)) + self.stored_energy(pressure);
+        let elastic = 0.5 * (inner + solid.wall_work(displacement, walls));
+        let energy = elastic + self.stored_energy(pressure);
         let left: f64 = force.iter().map(|f| f.abs()).sum();
         Some(Audit {
             momentum: if scale > 0.0 { left / scale } else { 0.0 },
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
+            elastic,
+            left,
+            scale,
         })
     }
 
@@ -229,4 +236,10 @@ pub struct Audit {
     pub energy: f64,
     /// The energy less the work of the loads that act now, J.
     pub potential: f64,
+    /// Elastic energy, J, without that of the fluid.
+    pub elastic: f64,
+    /// Forces out of balance, Σ of absolutes, N.
+    pub left: f64,
+    /// All forces, Σ of absolutes, N.
+    pub scale: f64,
 }

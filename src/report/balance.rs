@@ -17,7 +17,8 @@ pub struct Balance {
     pub turnover: f64,
     /// |injected + fixed − outflow − stored| / turnover.
     pub mass: f64,
-    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|; with mechanics.
+    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|, and over a hundredth of the largest so far;
+    /// with inertia over the largest so far, what accelerates the solid included; with mechanics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum: Option<f64>,
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D); with mechanics.
@@ -26,6 +27,15 @@ pub struct Balance {
     /// The energy less the work of the loads that act now, J: never grows while they are constant.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub potential: Option<f64>,
+    /// Kinetic energy ½ vᵀMv, J; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kinetic: Option<f64>,
+    /// Work of loads, fluid and walls on the solid since the start, J; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work: Option<f64>,
+    /// |kinetic + elastic energy − work − both at the start| over the largest energy so far; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
 }
 
 /// Amounts of one step, or rates.

@@ -5,6 +5,7 @@ mod crack_length;
 mod error;
 mod finish;
 mod fracture;
+mod motion;
 mod stops;
 mod summary;
 mod time_loop;

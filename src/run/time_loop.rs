@@ -8,6 +8,7 @@ use perifrac_solvers::Team;
 
 use super::finish::extremes;
 use super::fracture::{Fractures, Tracker};
+use super::motion::Motion;
 use super::stops::{Stops, clamp};
 use super::{RunError, Summary, TimedErrors, Writer};
 use crate::model::Model;
@@ -102,6 +103,7 @@ pub fn run_with<const D: usize>(
         last_output: None,
         timed_errors: Vec::new(),
         tracker: Tracker::new(plan),
+        motion: Motion::default(),
         drawn: 0.0,
     };
     run.start_volume = run.stored();
@@ -140,6 +142,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) last_output: Option<f64>,
     pub(super) timed_errors: Vec<TimedErrors>,
     pub(super) tracker: Tracker,
+    pub(super) motion: Motion,
     /// Length of the cracks at the last output that their growth asked for, m.
     pub(super) drawn: f64,
 }
@@ -465,9 +468,16 @@ impl<const D: usize> Run<'_, D> {
             ..
         } = &self.state;
         let audit = (self.model).audit(*time, pressure, displacement, walls, history);
-        self.balance.momentum = audit.map(|audit| audit.momentum);
+        self.balance.momentum = audit.map(|audit| self.motion.imbalance(&audit));
         self.balance.energy = audit.map(|audit| audit.energy);
         self.balance.potential = audit.map(|audit| audit.potential);
+        let moving = audit.and_then(|audit| self.motion.follow(&self.model, &self.state, &audit));
+        if let Some(moving) = moving {
+            self.balance.momentum = Some(moving.momentum);
+            self.balance.kinetic = Some(moving.kinetic);
+            self.balance.work = Some(moving.work);
+            self.balance.energy_error = Some(moving.energy);
+        }
     }
 }
 
