@@ -184,12 +184,11 @@ impl<const D: usize> Model<D> {
             let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
             let scale = size(&loads) + size(&push) + held;
             return Some(Audit {
-                momentum: if scale > 0.0 { left / scale } else { 0.0 },
+                unbalanced: left,
+                forces: scale,
                 energy,
                 potential: energy - dot(&loads, displacement),
                 elastic,
-                left,
-                scale,
             });
         }
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
@@ -201,12 +200,11 @@ impl<const D: usize> Model<D> {
         let energy = elastic + self.stored_energy(pressure);
         let left: f64 = force.iter().map(|f| f.abs()).sum();
         Some(Audit {
-            momentum: if scale > 0.0 { left / scale } else { 0.0 },
+            unbalanced: left,
+            forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
             elastic,
-            left,
-            scale,
         })
     }
 
@@ -230,16 +228,14 @@ struct External {
 /// Balance of forces and energies of a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Audit {
-    /// Forces out of balance over all forces.
-    pub momentum: f64,
+    /// Forces out of balance, Σ of their absolute values, N.
+    pub unbalanced: f64,
+    /// All forces, Σ|f| + Σ|Qᵀp| and what walls exert, N.
+    pub forces: f64,
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D).
     pub energy: f64,
     /// The energy less the work of the loads that act now, J.
     pub potential: f64,
     /// Elastic energy, J, without that of the fluid.
     pub elastic: f64,
-    /// Forces out of balance, Σ of absolutes, N.
-    pub left: f64,
-    /// All forces, Σ of absolutes, N.
-    pub scale: f64,
 }

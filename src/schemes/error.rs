@@ -41,6 +41,52 @@ impl Rejection {
     }
 }
 
+/// What every step conserves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Conserved {
+    /// Mass of the fluid.
+    Mass,
+    /// Momentum: forces balance, inertia included.
+    Momentum,
+    /// Energy: none comes from nowhere.
+    Energy,
+}
+
+impl Conserved {
+    /// What a loss is measured against.
+    fn whole(self) -> &'static str {
+        match self {
+            Conserved::Mass => "the fluid that moved is lost or made",
+            Conserved::Momentum => "all forces are out of balance",
+            Conserved::Energy => "the energy supplied or stored comes from nowhere",
+        }
+    }
+
+    /// What to do about it.
+    fn remedy(self) -> &'static str {
+        match self {
+            Conserved::Mass => {
+                "take smaller steps (time.step, time.max_step), lower scheme.coupling_tolerance, or use \
+                 --scheme monolithic, which balances to rounding"
+            }
+            Conserved::Momentum => {
+                "lower scheme.adr_tolerance or damage.tolerance, or use an implicit scheme"
+            }
+            Conserved::Energy => "take smaller steps, or use an implicit scheme",
+        }
+    }
+}
+
+impl std::fmt::Display for Conserved {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Conserved::Mass => "mass",
+            Conserved::Momentum => "momentum",
+            Conserved::Energy => "energy",
+        })
+    }
+}
+
 /// A step that cannot be accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum StepError {
@@ -206,6 +252,21 @@ pub enum StepError {
         /// The limit, s.
         limit: f64,
     },
+    /// A balance misses its limit.
+    #[error(
+        "{quantity} is not conserved in the step to t = {time:.6e} s: {found:.1e} of {}, more than \
+         audit.{quantity} = {limit:.1e} allows; {}", quantity.whole(), quantity.remedy()
+    )]
+    Unbalanced {
+        /// Time, s.
+        time: f64,
+        /// What is out of balance.
+        quantity: Conserved,
+        /// How far, relative to its scale.
+        found: f64,
+        /// What is allowed.
+        limit: f64,
+    },
     /// Steps have become too small to get anywhere.
     #[error(
         "the step fell to {dt:.3e} s at t = {time:.6e} s without meeting the tolerance; raise \
@@ -251,6 +312,7 @@ impl StepError {
             | StepError::CouplingUnstable { .. }
             | StepError::FractureUnstable { .. } => Rejection::Coupling,
             StepError::NoEquilibrium { .. }
+            | StepError::Unbalanced { .. }
             | StepError::LoosePlate
             | StepError::NoSteadyState { .. } => Rejection::Balance,
             StepError::NotFinite { .. }

@@ -2,6 +2,8 @@
 //! act and after they have ended.
 
 use perifrac::report::Balance;
+use perifrac::run::RunError;
+use perifrac::schemes::{Conserved, StepError};
 
 use crate::support::{plan_of, run_text, try_run};
 
@@ -113,10 +115,19 @@ fn a_load_that_ends_leaves_a_body_at_rest_balanced() {
 }
 
 #[test]
-fn a_step_above_the_limit_shows_in_the_balance_of_energy() {
-    let plan = plan_of(BAR, &["time.step=0.06", "time.end=6"]);
-    let (summary, _) = try_run(&plan).unwrap();
-    assert!(summary.limit.unwrap().dt < 0.06);
-    let error = summary.balance.energy_error.unwrap();
-    assert!(error > 0.1, "{error}");
+fn a_step_above_the_limit_is_refused_by_the_balance_of_energy() {
+    let plan = plan_of(BAR, &["time.step=0.06", "time.end=20"]);
+    let Err(RunError::Step { source, .. }) = try_run(&plan) else {
+        panic!("unstable steps went on");
+    };
+    assert!(
+        matches!(
+            source,
+            StepError::Unbalanced {
+                quantity: Conserved::Energy,
+                ..
+            }
+        ),
+        "{source}"
+    );
 }
