@@ -158,10 +158,14 @@ fn describe_mechanics(summary: &Summary) -> String {
         }
         text.push('\n');
     }
-    // With inertia the rest of the forces is what accelerates the solid.
-    let moving = summary.counters.field_bytes.contains_key("velocity");
-    if let (Some(momentum), false) = (summary.balance.momentum, moving) {
+    let balance = &summary.balance;
+    if let Some(momentum) = balance.momentum {
         text += &format!("  forces out of balance: {momentum:.1e} of all forces\n");
+    }
+    if let (Some(kinetic), Some(error)) = (balance.kinetic, balance.energy_error) {
+        text += &format!(
+            "  kinetic energy: {kinetic:.3e} J, energy out of balance: {error:.1e} of the largest so far\n"
+        );
     }
     text
 }

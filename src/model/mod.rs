@@ -11,6 +11,7 @@ mod fracture_flow;
 mod level;
 mod places;
 mod properties;
+mod rounding;
 mod sample;
 mod solid;
 mod stabilisation;

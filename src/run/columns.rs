@@ -79,6 +79,9 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
             columns.extend(fracture::names::<D>(plan, mechanics));
         }
         columns.extend(["energy_J", "potential_J", "momentum_balance"].map(str::to_owned));
+        if mechanics.inertia {
+            columns.extend(["kinetic_J", "work_J", "energy_balance"].map(str::to_owned));
+        }
     }
     if plan.flow.is_some() {
         columns.extend(Side::all(D).map(|side| format!("outflow_{side}_{volume}_per_s")));
@@ -135,6 +138,10 @@ pub fn row<const D: usize>(
         row.extend(fractures.map(fracture::row).unwrap_or_default());
         let own = [balance.energy, balance.potential, balance.momentum];
         row.extend(own.map(|value| value.unwrap_or(0.0)));
+        if mechanics.inertia {
+            let own = [balance.kinetic, balance.work, balance.energy_error];
+            row.extend(own.map(|value| value.unwrap_or(0.0)));
+        }
     }
     if let Some(flow) = &model.flow {
         row.extend(flow.outflow(&state.pressure, state.time));

@@ -67,6 +67,8 @@ pub struct SolidSample {
     pub poissons_ratio: f64,
     /// Largest over smallest shear modulus.
     pub contrast: f64,
+    /// Largest (λ + 2μ)/μ.
+    pub volume_stiffness: f64,
     /// Step limit by waves, where the density of every point is known.
     pub waves: Option<PointLimit>,
 }
@@ -201,6 +203,9 @@ impl<const D: usize> Seen<'_, D> {
             neighbours: self.mean(|family| family.two_hops),
             corrected: mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes),
             contrast: contrast(self.points.lame.iter().map(|lame| lame.mu)),
+            volume_stiffness: (self.points.lame.iter())
+                .map(|lame| lame.volume_stiffness())
+                .fold(1.0, f64::max),
             poissons_ratio: self.points.lame.iter().map(ratio).fold(0.0, f64::max),
             waves: self.waves(),
         }

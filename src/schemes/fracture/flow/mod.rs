@@ -34,7 +34,7 @@ use crate::model::Model;
 use crate::operators::{Answer, Resting};
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::quasi_static::{advance, growth};
-use crate::schemes::solid::{Chosen, build_solver, ratio};
+use crate::schemes::solid::{Chosen, build_solver, ratio, volume_stiffness};
 use crate::schemes::{
     ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
     solid_of,
@@ -116,6 +116,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let problem = Problem {
             solves: 1,
             contrast: ratio(flow.mobility.iter().copied()),
+            volume_stiffness: volume_stiffness(solid),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
