@@ -6,7 +6,7 @@ use crate::cases;
 use crate::effects::EffectError;
 use crate::geometry::GeometryError;
 use crate::model::ModelError;
-use crate::plan::{Plan, resolve};
+use crate::plan::{FileError, Plan, resolve};
 use crate::scene::{self, Diagnostic, LoadedScene, Span};
 
 use super::exit::Failure;
@@ -168,12 +168,12 @@ impl Planned {
                 .regions
                 .get(number - 1)
                 .map(|region| region.region.span),
-            ModelError::TableLength { path, .. } => {
+            ModelError::Table(FileError::Length { path, .. }) => {
                 scene
                     .materials
                     .iter()
                     .find_map(|entry| match entry.value.permeability.as_deref() {
-                        Some(scene::PermeabilityField::File(file)) if file.file.value == *path => {
+                        Some(scene::PermeabilityField::File(file)) if Path::new(&file.file.value) == path => {
                             Some(file.file.span)
                         }
                         _ => None,

@@ -3,7 +3,7 @@
 use crate::geometry::Cloud;
 use crate::material::log_normal;
 use crate::operators::Lame;
-use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable};
+use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable, check_length};
 
 use super::ModelError;
 
@@ -164,14 +164,7 @@ fn permeabilities<const D: usize>(
         let values = match field {
             PermeabilityPlan::Uniform(value) => vec![*value; cloud.len()],
             PermeabilityPlan::Table { path, values } => {
-                if values.len() != cloud.len() {
-                    let (path, found) = (path.clone(), values.len());
-                    return Err(ModelError::TableLength {
-                        path,
-                        found,
-                        points: cloud.len(),
-                    });
-                }
+                check_length(path, values.len(), cloud.len())?;
                 values.clone()
             }
             PermeabilityPlan::LogNormal {

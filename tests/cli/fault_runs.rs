@@ -40,38 +40,6 @@ error: a transient run needs `end`
             ..FAULT
         },
         Fault {
-            name: "a step longer than the run",
-            change: &[("\"100 s\"", "\"100 s\"\nstep = \"1 h\"")],
-            stderr: r#"
-error: `step` is longer than the run
-  --> scene.toml:17:8
-   |
-16 | end = "100 s"
-   |       ------- the run ends here
-17 | step = "1 h"
-   |        ^^^^^
-"#,
-            ..FAULT
-        },
-        Fault {
-            name: "an output after the end",
-            change: &[(
-                "plots = false",
-                "plots = false\ntimes = [\"50 s\", \"2 min\"]",
-            )],
-            stderr: r#"
-error: the run ends before this output
-  --> scene.toml:19:18
-   |
-16 | end = "100 s"
-   |       ------- the run ends here
-...
-19 | times = ["50 s", "2 min"]
-   |                  ^^^^^^^
-"#,
-            ..FAULT
-        },
-        Fault {
             name: "more outputs than a disk could hold",
             change: &[("plots = false", "plots = false\nevery = \"1 ns\"")],
             stderr: r#"

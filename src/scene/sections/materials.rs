@@ -54,7 +54,9 @@ pub enum PermeabilityField {
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PermeabilityFile {
-    /// A `.npy` or `.csv` file, relative to the scene file.
+    /// A `.npy` or `.csv` file, relative to the scene file. On a lattice or graded grid an array may
+    /// have the shape of the grid, with the indices `[ix, iy]` (`[ix, iy, iz]`) from the lowest
+    /// corner; a column or a flat array is in the order of the points (x fastest).
     pub file: Spanned<String>,
     /// Column of a `.csv` file.
     pub column: Option<Spanned<String>>,

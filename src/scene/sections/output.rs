@@ -12,7 +12,7 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Times at which fields are written, s. Excludes `every`.
+    /// Times at which fields are written, s; those after `time.end` are left out. Excludes `every`.
     pub times: Option<Spanned<Vec<Time>>>,
     /// Interval at which fields are written, s. Excludes `times`.
     pub every: Option<Time>,
@@ -84,12 +84,6 @@ impl Section for Output {
         }
         for time in self.times.iter().flat_map(|times| times.iter()) {
             report.not_negative("times", *time);
-            if let Some(end) = end
-                && time.value() > end.value()
-            {
-                let fault = Diagnostic::new("the run ends before this output").at(time.span());
-                report.add(fault.also(end.span(), "the run ends here"));
-            }
         }
         if let Some(increment) = self.crack_increment {
             report.positive("crack_increment", increment);
