@@ -63,11 +63,13 @@ error: `every` gives 1.0e11 outputs
                 "plots = false\nprofiles.p = { from = [0, 0], to = [1, 1], points = 1000000000 }",
             )],
             stderr: r#"
-error: `points` must be at most 100000 along a profile
+error: `points` must lie between 2 and 1e5, found 1e9
   --> scene.toml:19:53
    |
 19 | profiles.p = { from = [0, 0], to = [1, 1], points = 1000000000 }
    |                                                     ^^^^^^^^^^
+   |
+   = help: a line has two ends, and no cloud resolves more places along it
 "#,
             ..FAULT
         },

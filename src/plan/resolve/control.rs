@@ -53,6 +53,7 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
         },
         coupling_tolerance: scheme.coupling_tolerance.value(),
         coupling_iterations: count(scheme.coupling_iterations),
+        single_pass: scheme.single_pass,
         solid: match scheme.solid {
             scene::SolidMethod::Switched => SolidMethod::Switched,
             scene::SolidMethod::Adr => SolidMethod::Adr,

@@ -146,6 +146,12 @@ impl Resolver<'_> {
 /// Doubts about the plan that do not stop it.
 fn warnings(plan: &Plan) -> Vec<String> {
     let mut warnings: Vec<String> = split_doubt(plan).into_iter().collect();
+    if plan.scheme_options.single_pass && matches!(plan.scheme, SchemeChoice::SemiImplicit(_)) {
+        warnings.push(
+            "scheme.single_pass takes the strain of the last step, however flow and mechanics disagree"
+                .to_owned(),
+        );
+    }
     let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else {
         return warnings;
     };
