@@ -48,7 +48,11 @@ fn next(layers: &[Layer]) -> Result<Option<Layer>, SceneErrors> {
         let message = format!("the `base` of the scene file `{name}` must be a text, found {base}");
         return refuse(name, message, HELP);
     };
-    let path = last.path.parent().unwrap_or_else(|| Path::new("")).join(base);
+    let path = last
+        .path
+        .parent()
+        .unwrap_or_else(|| Path::new(""))
+        .join(base);
     let same = |layer: &&Layer| match (layer.path.canonicalize(), path.canonicalize()) {
         (Ok(first), Ok(second)) => first == second,
         _ => false,
@@ -103,7 +107,11 @@ fn read(path: &Path, named: Option<(&str, &Layer)>) -> Result<Layer, SceneErrors
             let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
             let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
             let help = "save the file with the encoding UTF-8";
-            refuse(place, format!("{what} is not UTF-8 text (line {line})"), help)
+            refuse(
+                place,
+                format!("{what} is not UTF-8 text (line {line})"),
+                help,
+            )
         }
     }
 }
@@ -139,8 +147,14 @@ mod tests {
     fn a_base_may_have_a_base_relative_to_its_own_folder() {
         let place = folder(&[
             ("first.toml", FIRST),
-            ("sub/second.toml", "base = \"../first.toml\"\n[time]\nend = 2\nstep = 0.5\n"),
-            ("third.toml", "base = \"sub/second.toml\"\n[time]\nend = 3\n"),
+            (
+                "sub/second.toml",
+                "base = \"../first.toml\"\n[time]\nend = 2\nstep = 0.5\n",
+            ),
+            (
+                "third.toml",
+                "base = \"sub/second.toml\"\n[time]\nend = 3\n",
+            ),
         ]);
         let loaded = load_file(&place.path().join("third.toml"), &[]).unwrap();
         let time = &loaded.scene.time;
@@ -153,14 +167,25 @@ mod tests {
     #[test]
     fn a_base_that_cannot_be_used_is_named_with_the_file_that_names_it() {
         for (text, words) in [
-            ("base = \"absent.toml\"\n", "cannot read the base `absent.toml` of the scene file"),
+            (
+                "base = \"absent.toml\"\n",
+                "cannot read the base `absent.toml` of the scene file",
+            ),
             ("base = 3\n", "must be a text, found 3"),
             ("base = \"second.toml\"\n", "leads back to"),
             ("base = \".\"\n", "is a folder"),
         ] {
-            let place = folder(&[("second.toml", text), ("third.toml", "base = \"second.toml\"\n")]);
-            let told = load_file(&place.path().join("third.toml"), &[]).unwrap_err().to_string();
-            assert!(told.contains(words) && told.contains("second.toml"), "{told}");
+            let place = folder(&[
+                ("second.toml", text),
+                ("third.toml", "base = \"second.toml\"\n"),
+            ]);
+            let told = load_file(&place.path().join("third.toml"), &[])
+                .unwrap_err()
+                .to_string();
+            assert!(
+                told.contains(words) && told.contains("second.toml"),
+                "{told}"
+            );
         }
     }
 
@@ -168,7 +193,9 @@ mod tests {
     fn a_base_cannot_be_set() {
         let place = folder(&[("first.toml", FIRST)]);
         let set = ["base=other.toml".to_owned()];
-        let told = load_file(&place.path().join("first.toml"), &set).unwrap_err().to_string();
+        let told = load_file(&place.path().join("first.toml"), &set)
+            .unwrap_err()
+            .to_string();
         assert!(told.contains("`base` stands in scene files only"), "{told}");
     }
 }

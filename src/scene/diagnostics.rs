@@ -123,7 +123,9 @@ impl SceneErrors {
         let mut parts: Vec<String> = shown.map(|d| d.render(&self.sources, &renderer)).collect();
         let (count, name) = (self.diagnostics.len(), self.sources.name());
         if count > MOST_SHOWN {
-            parts.push(format!("{count} errors in {name}, of which the first {MOST_SHOWN} are shown"));
+            parts.push(format!(
+                "{count} errors in {name}, of which the first {MOST_SHOWN} are shown"
+            ));
         } else if count > 1 {
             parts.push(format!("{count} errors in {name}"));
         }
@@ -205,7 +207,10 @@ mod tests {
         let errors = SceneErrors::new((0..5000).map(fault).collect(), sources());
         let text = errors.to_string();
         assert_eq!(text.matches("error: fault").count(), MOST_SHOWN);
-        assert!(text.ends_with("5000 errors in case.toml, of which the first 100 are shown"), "{text}");
+        assert!(
+            text.ends_with("5000 errors in case.toml, of which the first 100 are shown"),
+            "{text}"
+        );
     }
 
     #[test]

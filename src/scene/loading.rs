@@ -47,8 +47,9 @@ impl LoadedScene {
 /// All faults at once: the file cannot be read, syntax, unknown keys, units, broken rules.
 pub fn load_file(path: &Path, overrides: &[String]) -> Result<LoadedScene, SceneErrors> {
     let layers = base::layers(path)?;
-    let layers: Vec<(&str, &str)> =
-        (layers.iter()).map(|layer| (&*layer.name, &*layer.text)).collect();
+    let layers: Vec<(&str, &str)> = (layers.iter())
+        .map(|layer| (&*layer.name, &*layer.text))
+        .collect();
     let base_dir = path.parent().unwrap_or_else(|| Path::new(""));
     load_layers(&layers, base_dir, overrides)
 }

@@ -166,7 +166,14 @@ error: unknown key `ned`
         },
         Fault {
             name: "an override that does not fit the file",
-            arguments: &["run", "scene.toml", "--set", "wells.w.rate=1", "--set", "wells.w.at=[2, 0.5]"],
+            arguments: &[
+                "run",
+                "scene.toml",
+                "--set",
+                "wells.w.rate=1",
+                "--set",
+                "wells.w.at=[2, 0.5]",
+            ],
             stderr: r#"
 error: `at` lies outside the domain
  --> --set #2:1:12

@@ -65,7 +65,9 @@ fn first_index_fastest(values: &[f64], shape: &[usize]) -> Vec<f64> {
         let along = digits.iter().zip(shape);
         along.fold(0, |place, (digit, size)| place * size + digit)
     };
-    (0..values.len()).map(|index| values[place(index)]).collect()
+    (0..values.len())
+        .map(|index| values[place(index)])
+        .collect()
 }
 
 fn misfit(path: &Path, shape: &[usize], cells: Option<&[usize]>) -> FileError {
@@ -79,7 +81,11 @@ fn misfit(path: &Path, shape: &[usize], cells: Option<&[usize]>) -> FileError {
             let counts: Vec<String> = cells.iter().map(usize::to_string).collect();
             let names = &["ix", "iy", "iz"][..cells.len().min(3)];
             let turned = shape.iter().rev().eq(cells);
-            let turn = if turned { "transpose it (`array.T`): " } else { "" };
+            let turn = if turned {
+                "transpose it (`array.T`): "
+            } else {
+                ""
+            };
             let remedy = format!(
                 "{turn}its shape must be {}, with the indices [{}] from the lowest corner, or ({},) \
                  {flat} (x fastest)",
@@ -144,9 +150,17 @@ mod tests {
         for (shape, cells, words) in [
             (&[2, 3][..], Some(&[3, 2][..]), "(2, 3) for a grid of 3 × 2"),
             (&[2, 3], Some(&[3, 2]), "transpose it (`array.T`)"),
-            (&[6, 1], Some(&[3, 2]), "must be (3, 2), with the indices [ix, iy]"),
+            (
+                &[6, 1],
+                Some(&[3, 2]),
+                "must be (3, 2), with the indices [ix, iy]",
+            ),
             (&[], Some(&[1, 1]), "shape () for a grid of 1 × 1"),
-            (&[3, 2, 1], Some(&[3, 2]), "or (6,) in the order of the points"),
+            (
+                &[3, 2, 1],
+                Some(&[3, 2]),
+                "or (6,) in the order of the points",
+            ),
             (&[2, 3], None, "points that form no lattice; save it flat"),
         ] {
             let error = ordered(shape, cells).unwrap_err();

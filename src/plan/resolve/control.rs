@@ -28,9 +28,12 @@ pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
 }
 
 pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
-    // Coefficients of fractures change within a step, which stages of higher order do not bear.
+    // Coefficients of fractures change within a step, which stages of higher order do not bear; inertia
+    // takes whole steps.
+    let inertia = (scene.mechanics.as_ref()).is_some_and(|mechanics| mechanics.is_dynamic());
+    let whole = scene.fracture_flow.is_some() || inertia;
     let integrator = match scene.time.integrator.value {
-        scene::Integrator::TrBdf2 if scene.fracture_flow.is_none() => Integrator::TrBdf2,
+        scene::Integrator::TrBdf2 if !whole => Integrator::TrBdf2,
         _ => Integrator::BackwardEuler,
     };
     match scene.scheme.name.value {

@@ -64,7 +64,9 @@ fn outputs(scene: &Scene, output: &mut OutputPlan, end: f64) -> Option<String> {
             "the output at {first} s lies after the end of the run, {end} s, and is left out"
         ),
         count => {
-            format!("{count} of output.times, from {first} s on, {after}, {end} s, and are left out")
+            format!(
+                "{count} of output.times, from {first} s on, {after}, {end} s, and are left out"
+            )
         }
     })
 }
@@ -93,21 +95,44 @@ mod tests {
             ["time.first_step=4", "time.max_step=3", "time.end=2"],
         ] {
             let plan = planned("five-spot", None, &sets);
-            assert_eq!((plan.time.first_step, plan.time.max_step), (Some(2.0), Some(2.0)));
+            assert_eq!(
+                (plan.time.first_step, plan.time.max_step),
+                (Some(2.0), Some(2.0))
+            );
             let told = |key: &str| plan.warnings.iter().any(|told| told.contains(key));
-            assert!(told("time.max_step = 3 s is longer than the run"), "{:?}", plan.warnings);
-            assert!(told("time.first_step = 4 s is longer than the run"), "{:?}", plan.warnings);
+            assert!(
+                told("time.max_step = 3 s is longer than the run"),
+                "{:?}",
+                plan.warnings
+            );
+            assert!(
+                told("time.first_step = 4 s is longer than the run"),
+                "{:?}",
+                plan.warnings
+            );
         }
-        let plan = planned("five-spot", None, &["time.max_step=1e-3", "time.first_step=0.5"]);
+        let plan = planned(
+            "five-spot",
+            None,
+            &["time.max_step=1e-3", "time.first_step=0.5"],
+        );
         assert_eq!(plan.time.first_step, Some(1e-3));
-        assert!(plan.warnings.iter().any(|told| told.contains("time.max_step and is cut to it")));
+        assert!(
+            plan.warnings
+                .iter()
+                .any(|told| told.contains("time.max_step and is cut to it"))
+        );
     }
 
     #[test]
     fn a_fixed_step_longer_than_the_run_is_one_step() {
         let plan = planned("terzaghi", None, &["time.step=1 h", "time.end=1 min"]);
         assert_eq!(plan.time.step, StepRule::Fixed(60.0));
-        assert!(plan.warnings[0].contains("time.step = 3600 s"), "{:?}", plan.warnings);
+        assert!(
+            plan.warnings[0].contains("time.step = 3600 s"),
+            "{:?}",
+            plan.warnings
+        );
     }
 
     #[test]
@@ -115,7 +140,10 @@ mod tests {
         let sets = ["time.end=2", "output.times=[5, 1, 9, 2]"];
         let plan = planned("five-spot", None, &sets);
         assert_eq!(plan.output.times, [1.0, 2.0]);
-        let told = plan.warnings.iter().find(|told| told.contains("2 of output.times, from 5 s on"));
+        let told = plan
+            .warnings
+            .iter()
+            .find(|told| told.contains("2 of output.times, from 5 s on"));
         assert!(told.is_some(), "{:?}", plan.warnings);
     }
 
@@ -123,14 +151,28 @@ mod tests {
     fn a_variant_may_be_shortened() {
         let plan = planned("natural-fractures", Some("smoke"), &["time.end=1e-3"]);
         assert!(plan.time.max_step.is_none_or(|step| step <= 1e-3));
-        assert!(plan.damage.is_some_and(|damage| damage.shortest_step <= 1e-3));
+        assert!(
+            plan.damage
+                .is_some_and(|damage| damage.shortest_step <= 1e-3)
+        );
         assert!(plan.output.times.iter().all(|time| *time <= 1e-3));
     }
 
     #[test]
     fn what_fits_is_left_as_it_is_in_silence() {
-        let plan = planned("five-spot", None, &["time.first_step=1e-3", "time.max_step=1e-2"]);
-        assert_eq!((plan.time.first_step, plan.time.max_step), (Some(1e-3), Some(1e-2)));
-        assert!(!plan.warnings.iter().any(|told| told.contains("cut")), "{:?}", plan.warnings);
+        let plan = planned(
+            "five-spot",
+            None,
+            &["time.first_step=1e-3", "time.max_step=1e-2"],
+        );
+        assert_eq!(
+            (plan.time.first_step, plan.time.max_step),
+            (Some(1e-3), Some(1e-2))
+        );
+        assert!(
+            !plan.warnings.iter().any(|told| told.contains("cut")),
+            "{:?}",
+            plan.warnings
+        );
     }
 }

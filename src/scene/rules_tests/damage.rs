@@ -279,7 +279,10 @@ fn a_steady_run_has_damage_without_flow_only() {
         ["a steady run with [flow] has no [damage]"]
     );
     let transient = without(&without(PUMPED, "[fracture_flow]"), "[cracks");
-    assert_eq!(faults(&transient, &[]), [], "damage beside flow");
+    assert_eq!(
+        messages(&transient, &[]),
+        ["[damage] and [flow] need [fracture_flow]"]
+    );
 }
 
 #[test]

@@ -165,6 +165,23 @@ impl Section for Damage {
         report.needs("[damage]", place, &[("[mechanics]", mechanics)]);
         check_mechanics(place, scene, report);
         check_time(place, scene, report);
+        check_flow(place, scene, report);
+    }
+}
+
+/// Flow that does not follow damage would pass through cracks as through intact rock. A steady run has
+/// its own fault.
+fn check_flow(place: Span, scene: &Context<'_>, report: &mut Report) {
+    let draft = scene.draft;
+    let steady = (scene.sound(&draft.time)).is_some_and(|time| time.is_steady());
+    // A damaged crack says the same of itself.
+    if scene.has(&draft.flow)
+        && !scene.has(&draft.fracture_flow)
+        && !steady
+        && !scene.has(&draft.cracks)
+    {
+        let fault = Diagnostic::new("[damage] and [flow] need [fracture_flow]").at(place);
+        report.add(fault.help("add [fracture_flow], or leave [flow] or [damage] out"));
     }
 }
 

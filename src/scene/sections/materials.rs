@@ -161,6 +161,10 @@ impl Section for Named<Material> {
                     .help(EXAMPLE),
             );
         }
+        if self.len() > MOST_MATERIALS {
+            let message = format!("at most {MOST_MATERIALS} materials, found {}", self.len());
+            report.add(Diagnostic::new(message).at(place));
+        }
         let mut background = self.iter().filter(|entry| entry.value.region.is_none());
         if let Some(first) = background.next() {
             for second in background {
@@ -183,6 +187,9 @@ impl Section for Named<Material> {
         }
     }
 }
+
+/// Points number their materials by 16 bits, of which one number stands for none.
+const MOST_MATERIALS: usize = u16::MAX as usize - 1;
 
 /// Remedy for a scene without materials.
 pub(super) const EXAMPLE: &str = "add [materials.rock] with `permeability` and `storage`";

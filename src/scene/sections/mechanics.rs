@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::flow::Gradient;
 use super::scheme::SchemeName;
 use super::sides::{Boundary, Side, check_side};
+use super::time::Integrator;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::load::Load;
 use crate::scene::quantity::{Dimension, ForceDensity, Number, Pressure, dimension};
@@ -273,6 +274,7 @@ impl Mechanics {
             .sound(&draft.scheme)
             .map_or_else(Spanned::default, |scheme| scheme.name);
         if matches!(name.value, SchemeName::Explicit | SchemeName::SemiImplicit) {
+            self.check_dynamic(name, scene, report);
             return;
         }
         let typed = name.span.is_somewhere();
@@ -281,6 +283,29 @@ impl Mechanics {
         report.add(fault.help(
             "use scheme.name = \"explicit\" or \"semi-implicit\", or mode = \"quasi-static\"",
         ));
+    }
+}
+
+impl Mechanics {
+    /// What dynamic schemes do not go together with.
+    fn check_dynamic(&self, name: Spanned<SchemeName>, scene: &Context<'_>, report: &mut Report) {
+        for (_, support) in self.boundary.iter() {
+            if matches!(support.value, Support::Plate { .. }) {
+                let fault = Diagnostic::new("a rigid `plate` has no mass").at(support.span);
+                let fault = fault.also(self.mode.span, "dynamic here");
+                report.add(fault.help("use mode = \"quasi-static\", or a `traction` on the side"));
+            }
+        }
+        let integrator = scene.sound(&scene.draft.time).map(|time| time.integrator);
+        let typed =
+            integrator.filter(|own| own.value == Integrator::TrBdf2 && own.span.is_somewhere());
+        if let Some(typed) =
+            typed.filter(|_| name.value == SchemeName::SemiImplicit && scene.has(&scene.draft.flow))
+        {
+            let fault = Diagnostic::new("dynamics take the pressure by backward Euler");
+            let fault = fault.at(typed.span).also(self.mode.span, "dynamic here");
+            report.add(fault.help("set time.integrator = \"backward-euler\", or leave it out"));
+        }
     }
 }
 

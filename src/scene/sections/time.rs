@@ -27,7 +27,7 @@ pub struct TimeControl {
     /// Relative error allowed in an adaptive step.
     #[schemars(transform = within(&TOLERANCE))]
     pub tolerance: Number,
-    /// Method of the implicit scheme; `backward-euler` where there is `[fracture_flow]`.
+    /// Method of the implicit scheme; `backward-euler` where there is `[fracture_flow]` or inertia.
     pub integrator: Spanned<Integrator>,
     /// Part of the stability limit that an explicit step uses.
     #[schemars(transform = within(&SAFETY))]
