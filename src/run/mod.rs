@@ -1,11 +1,14 @@
 //! One run: build the model, step to the end, write what was asked for.
 
+mod audit;
 mod columns;
 mod crack_length;
 mod error;
 mod examine;
 mod finish;
 mod fracture;
+mod rejections;
+mod scale;
 mod stops;
 mod summary;
 mod time_loop;

@@ -90,6 +90,7 @@ impl Resolver<'_> {
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),
             solver: solver?,
+            audit: control::audit(&scene.audit),
             output,
             reference: scene.reference.as_deref().map(control::reference_plan),
             warnings: Vec::new(),

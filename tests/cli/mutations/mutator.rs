@@ -137,7 +137,8 @@ fn rename(scene: &mut Table, path: &[Step], random: &mut Random) {
 
 /// A value put where another one was, or beside itself.
 fn copy_over(scene: &mut Table, path: &[Step], paths: &[Vec<Step>], random: &mut Random) {
-    let Some(value) = find(scene, random.pick(paths)).cloned() else {
+    let from: &Vec<Step> = random.pick(paths);
+    let Some(value) = find(scene, from).cloned() else {
         return;
     };
     match path.last() {
@@ -159,15 +160,16 @@ fn copy_over(scene: &mut Table, path: &[Step], paths: &[Vec<Step>], random: &mut
 fn move_section(scene: &mut Table, bases: &[Table], random: &mut Random) {
     let other = random.pick(bases);
     let keys: Vec<&String> = other.keys().collect();
-    let key = *random.pick(&keys);
-    scene.insert(key.clone(), other[key].clone());
+    let key: &&String = random.pick(&keys);
+    scene.insert((*key).clone(), other[*key].clone());
 }
 
 /// A text of any scene in place of another one.
 fn other_word(scene: &mut Table, path: &[Step], bases: &[Table], random: &mut Random) {
     let mut other = random.pick(bases).clone();
     let others = paths(&other);
-    let word = find(&mut other, random.pick(&others)).cloned();
+    let from: &Vec<Step> = random.pick(&others);
+    let word = find(&mut other, from).cloned();
     if let (Some(word @ Value::String(_)), Some(place)) = (word, find(scene, path)) {
         *place = word;
     }
