@@ -82,7 +82,10 @@ impl<const D: usize> Staggered<D> {
         parts: (&FlowModel<D>, &Coupling),
         options: SchemeOptions,
     ) -> Self {
-        let tolerance = FAIR.max(options.coupling_tolerance);
+        let tolerance = match options.single_pass {
+            true => f64::INFINITY,
+            false => FAIR.max(options.coupling_tolerance),
+        };
         let flow = FlowPart::System(flow);
         Self::new("semi-implicit", flow, solid, parts, options, tolerance)
     }

@@ -38,9 +38,12 @@ pub(super) fn time(time: &scene::TimeControl, fractures: bool) -> TimePlan {
 }
 
 pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
-    // Coefficients of fractures change within a step, which stages of higher order do not bear.
+    // Coefficients of fractures change within a step, which stages of higher order do not bear; inertia
+    // takes whole steps.
+    let inertia = (scene.mechanics.as_ref()).is_some_and(|mechanics| mechanics.is_dynamic());
+    let whole = scene.fracture_flow.is_some() || inertia;
     let integrator = match scene.time.integrator.value {
-        scene::Integrator::TrBdf2 if scene.fracture_flow.is_none() => Integrator::TrBdf2,
+        scene::Integrator::TrBdf2 if !whole => Integrator::TrBdf2,
         _ => Integrator::BackwardEuler,
     };
     match scene.scheme.name.value {
@@ -63,6 +66,7 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
         },
         coupling_tolerance: scheme.coupling_tolerance.value(),
         coupling_iterations: count(scheme.coupling_iterations),
+        single_pass: scheme.single_pass,
         solid: match scheme.solid {
             scene::SolidMethod::Switched => SolidMethod::Switched,
             scene::SolidMethod::Adr => SolidMethod::Adr,
