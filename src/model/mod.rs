@@ -8,6 +8,7 @@ mod diffusion;
 mod error;
 mod flow;
 mod fracture_flow;
+mod level;
 mod places;
 mod properties;
 mod rounding;
@@ -57,6 +58,8 @@ pub struct Model<const D: usize> {
     pub places: Places<D>,
     /// Points of cracks that are damaged from the start.
     pub bands: Bands,
+    /// Largest pressure or stress that the data name, Pa: what rounding is relative to.
+    pub level: f64,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -115,6 +118,7 @@ impl<const D: usize> Model<D> {
             FractureFlow::of(plan, flow.as_ref(), coupling.as_ref(), &points.permeability);
         let injections = injections(plan, flow.as_ref(), &bands);
         Ok(Model {
+            level: level::level(plan, flow.as_ref()),
             fracture_flow,
             injections,
             cloud,

@@ -4,10 +4,11 @@ use crate::geometry::{Place, Side};
 use crate::model::{Faces, Model, MovingWall};
 use crate::plan::{MechanicsPlan, Plan, Support, exact_opening};
 use crate::report::Balance;
-use crate::schemes::State;
+use crate::schemes::{Rejection, State};
 
 use super::finish::{extremes, largest};
 use super::fracture::{self, Fractures};
+use super::rejections::Rejections;
 
 /// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -87,6 +88,7 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
         columns.extend(["injected", "outflow", "stored"].map(|name| format!("{name}_{volume}")));
         columns.push("mass_balance".to_owned());
     }
+    columns.extend(Rejection::ALL.map(|reason| format!("rejected_{}", reason.name())));
     columns
 }
 
@@ -99,7 +101,7 @@ pub fn row<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
     state: &State,
-    (dt, iterations): (f64, usize),
+    (dt, iterations, rejections): (f64, usize, Rejections),
     balance: &Balance,
     fractures: Option<&Fractures>,
 ) -> Vec<f64> {
@@ -150,5 +152,6 @@ pub fn row<const D: usize>(
             balance.mass,
         ]);
     }
+    row.extend(Rejection::ALL.map(|reason| rejections.of(reason) as f64));
     row
 }

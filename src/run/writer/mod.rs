@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use super::Summary;
 use super::fracture::{Fractures, Tracker};
+use super::rejections::Rejections;
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd, Table, write_json};
 use crate::plan::Plan;
@@ -108,7 +109,7 @@ impl Writer {
         plan: &Plan,
         model: &Model<D>,
         state: &State,
-        (dt, iterations): (f64, usize),
+        step: (f64, usize, Rejections),
         balance: &Balance,
         fractures: Option<&Fractures>,
     ) -> Result<(), OutputError> {
@@ -117,7 +118,7 @@ impl Writer {
             return Ok(());
         }
         self.next_row = state.time + plan.time.end / MOST_ROWS;
-        let row = super::columns::row(plan, model, state, (dt, iterations), balance, fractures);
+        let row = super::columns::row(plan, model, state, step, balance, fractures);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }
