@@ -18,5 +18,6 @@ mod operators;
 mod patch;
 mod poroelastic;
 mod shares;
+mod shelf;
 mod theis;
 mod two_layer;
