@@ -154,7 +154,7 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         horizon: sample.horizon,
         materials: names.zip(sample.per_material.iter().copied()).collect(),
         effects: effects::effects(plan),
-        operator: effects::operator(plan, &sample),
+        operator: effects::operator(&sample),
         elasticity: effects::elasticity(&sample),
         scheme: scheme::scheme(plan),
         bonds: (bonds * sample.points as f64) as u64,
@@ -172,7 +172,11 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
 fn warnings(plan: &Plan, sample: &Sample) -> Vec<String> {
     let width = (plan.damage.as_ref())
         .and_then(|damage| width_warning(damage_width(sample.horizon[0], damage), damage));
-    plan.warnings.iter().cloned().chain(width).collect()
+    let operator = (sample.flow.as_ref()).and_then(|flow| flow.operator.doubt.clone());
+    (plan.warnings.iter().cloned())
+        .chain(width)
+        .chain(operator)
+        .collect()
 }
 
 fn reason(name: impl Into<String>, why: impl Into<String>) -> Reason {

@@ -48,6 +48,7 @@ pub fn build_cloud<const D: usize>(
             path,
             table,
             bounds,
+            ..
         } => {
             let cloud = from_table(path, table, bounds.as_ref())?;
             Ok((cloud, Some(table)))

@@ -6,10 +6,11 @@ mod family;
 pub use coupled::CoupledSample;
 
 use self::family::LocalFamily;
+use super::operator_choice::ChosenOperator;
 use super::properties::{self, Properties};
-use super::{ModelError, build_cloud};
+use super::{ModelError, build_cloud, fit};
 use crate::geometry::{Cloud, Sampler};
-use crate::plan::{FlowPlan, MechanicsPlan, OperatorChoice, Plan};
+use crate::plan::{FlowPlan, MechanicsPlan, Plan};
 
 /// Averages over sampled points and extremes over all points.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Sample {
 /// What flow costs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowSample {
+    /// The diffusion operator.
+    pub operator: ChosenOperator,
     /// Bonds per point, images included.
     pub bonds: f64,
     /// Nonzeros per row of the matrix.
@@ -116,6 +119,7 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
         return Err(ModelError::NothingToDo);
     }
     let (cloud, table) = build_cloud::<D>(plan)?;
+    fit::check(plan, &cloud)?;
     let points = properties::assign(plan, &cloud, table)?;
     let sampler = Sampler::new(&cloud, plan.horizon)?;
     let hourglass = plan.flow.as_ref().map_or(1.0, |flow| flow.hourglass);
@@ -172,7 +176,8 @@ impl<const D: usize> Seen<'_, D> {
 
     fn flow(&self, flow: &FlowPlan) -> FlowSample {
         let (cloud, families) = (self.cloud, self.families);
-        let bond = flow.operator == OperatorChoice::Bond;
+        let operator = ChosenOperator::of(self.plan, flow, &self.points.permeability);
+        let bond = operator.bond;
         let corrected = !bond && flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
         let second_hop = corrected || !bond && families.iter().any(|family| !family.one_hop);
         let eigenvalue = families.iter().map(|f| f.eigenvalue).fold(0.0, f64::max);
@@ -185,6 +190,7 @@ impl<const D: usize> Seen<'_, D> {
         FlowSample {
             bonds: self.mean(|family| family.bonds),
             nonzeros: self.mean(|f| if second_hop { f.two_hops } else { f.hops }),
+            operator,
             second_hop,
             corrected,
             mobility: extremes(points.clone().map(|i| self.mobility(i))),
