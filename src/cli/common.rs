@@ -159,7 +159,9 @@ impl Planned {
             | ModelError::CrackAtBoundary { name, .. } => {
                 scene.cracks.get(name).map(scene::Crack::span)
             }
-            ModelError::EmptyRegion { material: name } => {
+            ModelError::EmptyRegion { material: name }
+            | ModelError::CoveredRegion { material: name }
+            | ModelError::UnusedRegion { material: name } => {
                 material(name)?.region.as_ref().map(|region| region.span)
             }
             ModelError::EmptyBand { name } => scene.cracks.get(name).map(scene::Crack::span),

@@ -30,7 +30,7 @@ pub struct Voids<const D: usize> {
 impl<const D: usize> Voids<D> {
     /// Looks for the voids of a cloud whose planes are known; none without planes.
     pub fn find(cloud: &Cloud<D>) -> Self {
-        let balls = match cloud.domain.planes {
+        let balls = match cloud.domain.planes && !cloud.filled {
             true => empty_balls(cloud),
             false => Vec::new(),
         };
@@ -159,10 +159,12 @@ mod tests {
         cloud.cell = (0..cloud.len())
             .map(|i| Vector::repeat(cloud.spacing(i)))
             .collect();
+        cloud.filled = false;
         cloud
     }
 
-    fn without<const D: usize>(mut cloud: Cloud<D>, out: impl Fn(&Vector<D>) -> bool) -> Cloud<D> {
+    fn without<const D: usize>(cloud: Cloud<D>, out: impl Fn(&Vector<D>) -> bool) -> Cloud<D> {
+        let mut cloud = as_read(cloud);
         let kept = |i: &usize| !out(&cloud.position[*i]);
         let kept: Vec<usize> = (0..cloud.len()).filter(kept).collect();
         cloud.cell = kept.iter().map(|&i| cloud.cell[i]).collect();
@@ -189,14 +191,52 @@ mod tests {
     #[test]
     fn clouds_that_fill_their_box_have_none() {
         for seed in 0..20 {
-            assert!(Voids::find(&jittered::<2>(40, 0.4, seed)).is_empty());
+            assert!(Voids::find(&as_read(jittered::<2>(40, 0.4, seed))).is_empty());
         }
         for seed in 0..4 {
-            assert!(Voids::find(&jittered::<3>(14, 0.4, seed)).is_empty());
+            assert!(Voids::find(&as_read(jittered::<3>(14, 0.4, seed))).is_empty());
         }
         assert!(Voids::find(&as_read(refined::<2>(4))).is_empty());
         assert!(Voids::find(&as_read(refined::<3>(2))).is_empty());
         let flat = lattice(Vector::zeros(), Vector::<2>::new(4.0, 1.0), [20, 20]).unwrap();
         assert!(Voids::find(&as_read(flat)).is_empty(), "cells of 4:1");
+        let axis = |first, last| {
+            vec![Segment {
+                length: 1.0,
+                first,
+                last,
+            }]
+        };
+        let tensor = graded(Vector::<2>::zeros(), &[axis(0.02, 0.08), axis(0.05, 0.02)]).unwrap();
+        assert!(Voids::find(&as_read(tensor)).is_empty(), "tensor grading");
+    }
+
+    /// Points within two spacings of a void are near it, those four away are not.
+    fn finds<const D: usize>(cloud: &Cloud<D>, inside: impl Fn(&Vector<D>) -> bool, edge: f64) {
+        let cut = without(cloud.clone(), &inside);
+        let voids = Voids::find(&cut);
+        assert!(!voids.is_empty());
+        for (i, x) in cut.position.iter().enumerate() {
+            let gone = cloud.position.iter().filter(|y| inside(y));
+            let gap = gone.map(|y| (y - x).norm()).fold(f64::INFINITY, f64::min);
+            let near = voids.within(x, edge);
+            assert!(!near || gap < 2.5 * edge, "{x} is {gap} away");
+            assert!(near || gap > 1.3 * edge, "{x} is {gap} away ({i})");
+        }
+    }
+
+    #[test]
+    fn holes_notches_and_re_entrant_corners_are_found_where_they_are() {
+        let round = |x: &Vector<2>| (x - Vector::repeat(0.4)).norm() < 0.15;
+        let corner = |x: &Vector<2>| x[0] > 0.5 && x[1] > 0.5;
+        for amount in [0.0, 0.3] {
+            let cloud = jittered::<2>(40, amount, 3);
+            finds(&cloud, round, 0.025);
+            finds(&cloud, corner, 0.025);
+        }
+        let slot = |x: &Vector<2>| x[0] < 0.6 && (x[1] - 0.5).abs() < 0.05;
+        finds(&jittered::<2>(40, 0.0, 3), slot, 0.025);
+        let ball = |x: &Vector<3>| x.norm() < 0.4;
+        finds(&jittered::<3>(14, 0.0, 3), ball, 1.0 / 14.0);
     }
 }

@@ -144,6 +144,7 @@ fn from_table<const D: usize>(
         volume: table.volume.clone(),
         cell,
         irregular: true,
+        filled: false,
     };
     check_inside(path, &cloud)?;
     check_distinct(path, &cloud)?;

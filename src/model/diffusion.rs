@@ -62,9 +62,9 @@ pub(super) fn bond_operator<const D: usize>(
     }
     if error > BOND_WARNED {
         warnings.push(format!(
-            "the bond operator is not consistent on this cloud: a uniform flow is off by {:.1} %, \
-             however fine the cloud; use a lattice, or flow.operator = \"correspondence\" where the \
-             permeability is uniform",
+            "the bond operator is not consistent on this cloud: a uniform flow is off by {:.1} %, on \
+             jittered clouds at every spacing; use a lattice, or flow.operator = \"correspondence\" \
+             where the permeability is uniform",
             100.0 * error
         ));
     }

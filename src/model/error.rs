@@ -76,6 +76,24 @@ pub enum ModelError {
         /// Name of the material.
         material: String,
     },
+    /// A material whose points all belong to later materials.
+    #[error(
+        "all points in the region of material \"{material}\" lie in regions of later materials, which \
+         replace it; reorder the materials or change the regions"
+    )]
+    CoveredRegion {
+        /// Name of the material.
+        material: String,
+    },
+    /// A points file that names materials, beside regions.
+    #[error(
+        "the points file names the material of every point, so the region of material \"{material}\" \
+         reaches nothing; remove the region, or the material column of the file"
+    )]
+    UnusedRegion {
+        /// Name of the material.
+        material: String,
+    },
     /// A region with prescribed pressure holds no point.
     #[error("flow.regions #{number} holds no point; enlarge it or refine the cloud")]
     EmptyPressureRegion {
@@ -128,8 +146,8 @@ pub enum ModelError {
     Consistency(#[from] ConsistencyError),
     /// The bond operator on families that are too uneven for it.
     #[error(
-        "the bond operator is not consistent on this cloud: a uniform flow would be off by {:.0} %, \
-         however fine the cloud ({uneven} of {points} families are too uneven for positive weights); \
+        "the bond operator is not consistent on this cloud: a uniform flow would be off by {:.0} % \
+         ({uneven} of {points} families are too uneven for positive weights); \
          use flow.operator = \"correspondence\", or a more even cloud or a larger horizon",
         100.0 * error
     )]

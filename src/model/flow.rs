@@ -84,7 +84,7 @@ impl<const D: usize> FlowModel<D> {
         let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
         let around = Arc::new(around);
         let mut consistency = None;
-        let chosen = ChosenOperator::of(plan, flow, &points.permeability);
+        let chosen = ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular);
         warnings.extend(chosen.doubt);
         let operator = match chosen.bond {
             true => bond_operator(&around, &one_sided, warnings)?,

@@ -18,3 +18,5 @@ mod poroelastic;
 mod shares;
 mod theis;
 mod two_layer;
+mod uniform_flow;
+mod voids;

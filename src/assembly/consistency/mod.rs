@@ -102,7 +102,7 @@ pub fn consistent_gradient<const D: usize>(
         add_correction(around, &natural, &lambda, axis, &mut corrected);
         wanted.push((natural, target));
     }
-    drop_excess(around, &plain.weight, &mut corrected, &mut quality);
+    fall_back(around, &plain.weight, &mut corrected, &mut quality);
     for (axis, (natural, target)) in wanted.iter().enumerate() {
         let after = component_sums(around, natural, &corrected, axis);
         let left: Vec<f64> = after.iter().zip(target).map(|(s, t)| s - t).collect();
@@ -158,9 +158,9 @@ fn add_correction<const D: usize>(
     }
 }
 
-/// Gives the plain weights back to families whose correction exceeds them: what is there to be
-/// corrected is no change of spacing.
-fn drop_excess<const D: usize>(
+/// Gives the plain weights back to families whose correction exceeds them, unless the cells are known to
+/// fill the domain: what was to be corrected there may be a free surface that was not found.
+fn fall_back<const D: usize>(
     around: &Neighbourhood<D>,
     plain: &[Vector<D>],
     corrected: &mut [Vector<D>],
@@ -173,7 +173,7 @@ fn drop_excess<const D: usize>(
         let family = around.families.family(owner);
         let change = norm(&mut family.clone().map(|b| corrected[b] - plain[b]));
         let ratio = change / norm(&mut family.clone().map(|b| plain[b]));
-        if ratio > 1.0 {
+        if ratio > 1.0 && !around.cloud.filled {
             corrected[family.clone()].copy_from_slice(&plain[family]);
             if around.families.share.owns(owner) {
                 quality.plain_families += 1;

@@ -25,6 +25,8 @@ pub struct Sample {
     pub spacing: [f64; 2],
     /// Largest edge of the domain, m.
     pub extent: f64,
+    /// Whether the spacing varies.
+    pub irregular: bool,
     /// Points per material.
     pub per_material: Vec<usize>,
     /// Flow, if the plan names it.
@@ -144,6 +146,7 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
         horizon: extremes(sampler.horizon().iter().copied()),
         spacing: extremes((0..cloud.len()).map(|i| cloud.spacing(i))),
         extent: cloud.domain.size().amax(),
+        irregular: cloud.irregular,
         per_material,
         flow: plan.flow.as_ref().map(|flow| seen.flow(flow)),
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
@@ -176,7 +179,8 @@ impl<const D: usize> Seen<'_, D> {
 
     fn flow(&self, flow: &FlowPlan) -> FlowSample {
         let (cloud, families) = (self.cloud, self.families);
-        let operator = ChosenOperator::of(self.plan, flow, &self.points.permeability);
+        let operator =
+            ChosenOperator::of(self.plan, flow, &self.points.permeability, cloud.irregular);
         let bond = operator.bond;
         let corrected = !bond && flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
         let second_hop = corrected || !bond && families.iter().any(|family| !family.one_hop);

@@ -49,8 +49,8 @@ impl Default for Flow {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Operator {
-    /// Bond where the permeabilities of the points differ by more than 3 or fractures conduct,
-    /// correspondence elsewhere.
+    /// Bond where the permeabilities of the points differ by a factor of more than 3 (10 on irregular
+    /// clouds) or fractures conduct, correspondence elsewhere and where `gradient` is named.
     #[default]
     Auto,
     /// Nonlocal gradient, its transpose, and an hourglass term. Second order on every cloud with a
