@@ -16,6 +16,7 @@ mod sampler;
 mod shape;
 mod share;
 mod side;
+mod stencil;
 
 pub(crate) use cloud::edge;
 pub use cloud::{Cloud, Domain};
@@ -30,6 +31,7 @@ pub use sampler::Sampler;
 pub use shape::Shape;
 pub use share::Share;
 pub use side::Side;
+pub use stencil::{Stencil, Stencils, Term, sources};
 
 /// A position or vector in `D` dimensions, in metres where it is a position.
 pub type Vector<const D: usize> = nalgebra::SVector<f64, D>;

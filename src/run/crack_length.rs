@@ -6,28 +6,21 @@
 
 use std::f64::consts::PI;
 
-use crate::model::{Model, SolidModel};
+use crate::model::{Disc, Model, SolidModel};
 use crate::plan::{CrackPlace, CrackPlan, Plan};
 
-/// Length of the cracks that are there from the start, m; area of discs, m².
+/// Length of the cracks that are there from the start, m; area of discs in the domain, m².
 pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
-    let of = |(crack, band): (&CrackPlan, &Vec<u32>)| match &crack.place {
+    let of = |crack: &CrackPlan| match &crack.place {
         CrackPlace::Chain(points) => points
             .windows(2)
             .map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]))
             .sum(),
         CrackPlace::Disc { .. } => {
-            let Some(solid) = &model.solid else {
-                return 0.0;
-            };
-            let around = &solid.elastic.around;
-            let share = |&i: &u32| {
-                around.cloud.volume[i as usize] / (2.0 * around.families.horizon[i as usize])
-            };
-            band.iter().map(share).sum::<f64>()
+            Disc::of(&crack.place).map_or(0.0, |disc| disc.area(&model.cloud.domain))
         }
     };
-    plan.cracks.iter().zip(&model.bands.points).map(of).sum()
+    plan.cracks.iter().map(of).sum()
 }
 
 /// Length of a crack through the points that `broke`, m (area in 3-D, m²), which goes on in all that is

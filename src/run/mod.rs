@@ -6,6 +6,7 @@ mod error;
 mod finish;
 mod fracture;
 mod stops;
+mod suction;
 mod summary;
 mod time_loop;
 mod writer;

@@ -274,7 +274,8 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         for fixed in &flow.fixed {
             let free = trial.pressure[fixed.point];
             trial.pressure[fixed.point] = flow.fixed_loads[fixed.load].at(trial.time);
-            flows.fixed += (trial.pressure[fixed.point] - free) * self.storage[fixed.point];
+            let gain = (trial.pressure[fixed.point] - free) * self.storage[fixed.point];
+            flows.hold(fixed.load, gain);
         }
         let mut iterations = 0;
         if let Some(follower) = &mut self.follower {

@@ -13,6 +13,7 @@ mod five_spot;
 mod gravity;
 mod mechanics;
 mod operators;
+mod output;
 mod patch;
 mod poroelastic;
 mod shares;

@@ -63,7 +63,8 @@ impl<const D: usize> FractureFlowStep<D> {
             });
         };
         let stiffness = self.tangent.matrix.data();
-        block.fill(stiffness, solid, flow, coupling, dt);
+        let fill = || block.fill(stiffness, solid, flow, coupling, dt);
+        model.timers.time("assembly", fill);
         let matrix = block.matrix.view();
         if self.upkeep.is_due() {
             self.solver.refresh(matrix)?;
