@@ -183,7 +183,8 @@ impl<const D: usize> Model<D> {
             let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
             let scale = size(&loads) + size(&push) + held;
             return Some(Audit {
-                momentum: if scale > 0.0 { left / scale } else { 0.0 },
+                unbalanced: left,
+                forces: scale,
                 energy,
                 potential: energy - dot(&loads, displacement),
             });
@@ -197,7 +198,8 @@ impl<const D: usize> Model<D> {
             0.5 * (inner + solid.wall_work(displacement, walls)) + self.stored_energy(pressure);
         let left: f64 = force.iter().map(|f| f.abs()).sum();
         Some(Audit {
-            momentum: if scale > 0.0 { left / scale } else { 0.0 },
+            unbalanced: left,
+            forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
         })
@@ -223,8 +225,10 @@ struct External {
 /// Balance of forces and energies of a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Audit {
-    /// Forces out of balance over all forces.
-    pub momentum: f64,
+    /// Forces out of balance, Σ of their absolute values, N.
+    pub unbalanced: f64,
+    /// All forces, Σ|f| + Σ|Qᵀp| and what walls exert, N.
+    pub forces: f64,
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D).
     pub energy: f64,
     /// The energy less the work of the loads that act now, J.

@@ -17,6 +17,12 @@ pub struct Balance {
     pub turnover: f64,
     /// |injected + fixed − outflow − stored| / turnover.
     pub mass: f64,
+    /// Largest amount that the pores held so far, m^D: the scale of rounding.
+    #[serde(skip)]
+    pub held: f64,
+    /// Largest Σ|f| + Σ|Qᵀp| so far, N.
+    #[serde(skip)]
+    pub forces: f64,
     /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|; with mechanics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum: Option<f64>,
@@ -78,12 +84,69 @@ impl Balance {
         self.turnover += flows.gross + through + flows.fixed.abs();
     }
 
-    /// Closes the balance with the gain of storage since the start.
-    pub fn close(&mut self, stored: f64) {
+    /// Closes the balance with the gain of storage since the start; what `rounding` (m^D) may lose is
+    /// not lost.
+    pub fn close(&mut self, stored: f64, rounding: f64) {
         self.stored = stored;
-        let gap = (self.injected + self.fixed - self.outflow - stored).abs();
-        let scale = self.turnover.max(stored.abs());
-        self.mass = if scale > 0.0 { gap / scale } else { 0.0 };
+        self.mass = self.moved().error(rounding);
+    }
+
+    /// What has moved since the start.
+    pub fn moved(&self) -> Moved {
+        Moved {
+            gap: self.injected + self.fixed - self.outflow - self.stored,
+            turnover: self.turnover,
+            stored: self.stored,
+        }
+    }
+
+    /// Enters the forces out of balance and all forces, N. Once loads have ended, what they leave is
+    /// compared with a share of what they were.
+    pub fn balance_forces(&mut self, unbalanced: f64, forces: f64) {
+        self.forces = self.forces.max(forces);
+        self.momentum = Some(over(unbalanced, forces.max(REMEMBERED * self.forces)));
+    }
+}
+
+/// Share of the largest forces so far that still counts as their scale.
+const REMEMBERED: f64 = 1e-2;
+
+/// Fluid that moved over some time, m^D.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// What came in less what went out and what was stored.
+    pub gap: f64,
+    /// Everything that moved, in absolute amounts.
+    pub turnover: f64,
+    /// Gain of storage.
+    pub stored: f64,
+}
+
+impl Moved {
+    /// What moved since `before`.
+    pub fn since(&self, before: &Moved) -> Moved {
+        Moved {
+            gap: self.gap - before.gap,
+            turnover: self.turnover - before.turnover,
+            stored: self.stored - before.stored,
+        }
+    }
+
+    /// Share of the fluid that was lost or made beyond `rounding` (m^D).
+    pub fn error(&self, rounding: f64) -> f64 {
+        // NaN must not pass for rounding.
+        let beyond = self.gap.abs() - rounding;
+        let gap = if beyond <= 0.0 { 0.0 } else { beyond };
+        over(gap, self.turnover.max(self.stored.abs()))
+    }
+}
+
+/// A part over its whole; zero of nothing.
+fn over(part: f64, whole: f64) -> f64 {
+    if part <= 0.0 && whole <= 0.0 {
+        0.0
+    } else {
+        part / whole.max(f64::MIN_POSITIVE)
     }
 }
 
@@ -102,9 +165,9 @@ mod tests {
         };
         let mut balance = Balance::default();
         balance.add(&flows);
-        balance.close(3.0);
+        balance.close(3.0, 0.0);
         assert!(balance.mass < 1e-15);
-        balance.close(2.0);
+        balance.close(2.0, 0.0);
         assert!((balance.mass - 1.0 / 5.0).abs() < 1e-15);
     }
 }

@@ -4,6 +4,6 @@ mod balance;
 mod counters;
 mod timers;
 
-pub use balance::{Balance, Flows};
+pub use balance::{Balance, Flows, Moved};
 pub use counters::Counters;
 pub use timers::Timers;

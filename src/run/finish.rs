@@ -61,7 +61,8 @@ impl<const D: usize> Run<'_, D> {
             nonzeros,
             second_hops: flow.map_or(0, |flow| flow.operator.second_hops()),
             steps: self.steps,
-            rejected: self.rejected,
+            rejected: self.rejections.total(),
+            rejections: self.rejections.named(),
             wall_s: wall,
             t_end: self.state.time,
             limit,
@@ -328,7 +329,7 @@ impl<const D: usize> Run<'_, D> {
         evaluations.extend(cracks.map(|cracks| ("aperture", cracks.evaluations)));
         Counters {
             steps: self.steps,
-            rejected: self.rejected,
+            rejected: self.rejections.total(),
             operator_products: scheme.products,
             refills: model.flow.as_ref().map_or(0, |flow| flow.refills),
             stiffness_refills: model.solid.as_ref().map_or(0, |solid| solid.refills),

@@ -10,6 +10,8 @@ use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
 use super::crack_length::{grown, started};
+use super::rejections::Verdict;
+use super::scale::Scale;
 use super::time_loop::Run;
 
 /// Damage from which a point counts as broken.
@@ -257,27 +259,28 @@ fn distance<const D: usize>(crack: &CrackPlan, x: &Vector<D>) -> f64 {
 }
 
 impl<const D: usize> Run<'_, D> {
-    /// Error of a step with the growth of damage taken in: what breaks in the shortest step breaks.
+    /// Error of a step and growth of damage in it: what breaks in the shortest step breaks.
     pub(super) fn judged(
         &self,
-        relative: Option<f64>,
+        scale: &Scale,
         report: &StepReport,
+        trial: &State,
         dt: f64,
-    ) -> Option<f64> {
-        let (Some(damage), Some(growth)) = (&self.plan.damage, report.growth) else {
-            return relative;
-        };
-        let share = growth / damage.largest_increment;
-        let share = if dt <= damage.shortest_step {
-            share.min(1.0)
-        } else {
-            share
-        };
-        Some(
-            relative
-                .unwrap_or(0.0)
-                .max(share * self.plan.time.tolerance),
-        )
+    ) -> Verdict {
+        let relative = |error| scale.relative(&self.model, error, &trial.pressure);
+        let growth = self.plan.damage.as_ref().and_then(|damage| {
+            let share = report.growth? / damage.largest_increment;
+            let most = if dt <= damage.shortest_step {
+                1.0
+            } else {
+                share
+            };
+            Some(share.min(most) * self.plan.time.tolerance)
+        });
+        Verdict {
+            error: report.error.map(relative),
+            growth,
+        }
     }
 
     /// Whether cracks have grown enough since the last output for another one.

@@ -1,10 +1,13 @@
 //! One run: build the model, step to the end, write what was asked for.
 
+mod audit;
 mod columns;
 mod crack_length;
 mod error;
 mod finish;
 mod fracture;
+mod rejections;
+mod scale;
 mod stops;
 mod suction;
 mod summary;

@@ -49,6 +49,8 @@ pub struct Summary {
     pub steps: u64,
     /// Rejected steps.
     pub rejected: u64,
+    /// The same by reason: `error`, `growth`, `solver`, `coupling`, `balance`.
+    pub rejections: BTreeMap<&'static str, u64>,
     /// Wall time of the run, s.
     pub wall_s: f64,
     /// Time reached, s.

@@ -81,6 +81,8 @@ pub struct Scene {
     pub scheme: Spanned<Scheme>,
     /// Who solves the linear systems.
     pub solver: Spanned<Solver>,
+    /// How well balances must close.
+    pub audit: Spanned<Audit>,
     /// What is written, and when.
     pub output: Spanned<Output>,
     /// An exact solution to compare with.

@@ -46,6 +46,7 @@ mod tests {
             "wells",
             "time",
             "scheme",
+            "audit",
             "output",
             "reference",
         ] {

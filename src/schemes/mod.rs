@@ -32,7 +32,7 @@ use perifrac_solvers::SolverCounters;
 
 pub use build::build;
 pub use control::StepControl;
-pub use error::StepError;
+pub use error::{Conserved, Rejection, StepError};
 pub use explicit::ForwardEuler;
 pub use fracture::{Fracture, FractureFlowStep, LaggedFracture};
 pub use implicit::Implicit;

@@ -1,7 +1,7 @@
 //! How the run goes, what it writes, and what it is compared with.
 
 use crate::plan::types::{
-    Acceleration, Integrator, OutputPlan, Probe, Profile, ReferenceKind, ReferencePlan,
+    Acceleration, AuditPlan, Integrator, OutputPlan, Probe, Profile, ReferenceKind, ReferencePlan,
     SchemeChoice, SchemeOptions, SolidMethod, StepRule, TimeMode, TimePlan,
 };
 use crate::scene::quantity::values;
@@ -61,6 +61,14 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
         adr_tolerance: scheme.adr_tolerance.value(),
         adr_iterations: count(scheme.adr_iterations),
         adr_smoothing: scheme.adr_smoothing.value(),
+    }
+}
+
+pub(super) fn audit(audit: &scene::Audit) -> AuditPlan {
+    AuditPlan {
+        mass: audit.mass.value(),
+        momentum: audit.momentum.value(),
+        energy: audit.energy.value(),
     }
 }
 

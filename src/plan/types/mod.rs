@@ -69,6 +69,8 @@ pub struct Plan {
     pub scheme_options: SchemeOptions,
     /// Linear solver.
     pub solver: SolverSpec,
+    /// How well balances must close.
+    pub audit: AuditPlan,
     /// What to write.
     pub output: OutputPlan,
     /// Exact solution to compare with, if any.
@@ -277,6 +279,17 @@ pub enum StepRule {
     Fixed(f64),
     /// From the error estimate (implicit) or the stability limit (explicit).
     Adaptive,
+}
+
+/// Limits of the balances after every step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AuditPlan {
+    /// Fluid lost or made over all that moved.
+    pub mass: f64,
+    /// Forces out of balance over all forces.
+    pub momentum: f64,
+    /// Energy that comes from nowhere over all that was supplied or stored.
+    pub energy: f64,
 }
 
 /// What to write.

@@ -1,5 +1,6 @@
 //! The sections of a scene, one file each: what may be typed, and the rules it must keep.
 
+mod audit;
 mod coupling;
 mod cracks;
 mod damage;
@@ -19,6 +20,7 @@ mod solver;
 mod time;
 mod wells;
 
+pub use audit::Audit;
 pub use coupling::Coupling;
 pub use cracks::{Crack, CrackDisc, CrackKind, Injection};
 pub(crate) use cracks::{disc_in_plane, points_in_space};

@@ -1,0 +1,105 @@
+//! The audit of a step: what it does to the balances, against the limits of the plan.
+
+use super::time_loop::Run;
+use crate::model::Model;
+use crate::plan::TimeMode;
+use crate::report::Balance;
+use crate::schemes::{Conserved, State, StepError, StepReport};
+
+/// Fluid that rounding may lose, relative to all that the pores hold: the sums of a million steps over a
+/// body at rest drift by less.
+const ROUNDING: f64 = 1e-13;
+
+impl<const D: usize> Run<'_, D> {
+    /// The balances as they would be if the trial were accepted.
+    ///
+    /// # Errors
+    /// [`StepError::Unbalanced`] where one misses the plan's limit.
+    pub(super) fn audit(&self, report: &StepReport, trial: &State) -> Result<Balance, StepError> {
+        let mut balance = self.balance.clone();
+        let before = balance.moved();
+        balance.add(&report.flows);
+        balance.held = balance.held.max(held(&self.model, trial));
+        let stored = match report.stored {
+            Some(own) => balance.stored + own,
+            None => self.stored(trial) - self.start_volume,
+        };
+        let rounding = match self.plan.time.mode {
+            TimeMode::Transient => ROUNDING * balance.held,
+            // Rates, not volumes.
+            TimeMode::Steady => 0.0,
+        };
+        balance.close(stored, rounding);
+        self.measure_mechanics(trial, &mut balance);
+        let step = balance.moved().since(&before).error(rounding);
+        let limits = &self.plan.audit;
+        let moving = !trial.velocity.is_empty();
+        let forces = balance.momentum.filter(|_| !moving).unwrap_or(0.0);
+        let checks = [
+            (Conserved::Mass, balance.mass.max(step), limits.mass),
+            (Conserved::Momentum, forces, limits.momentum),
+        ];
+        for (quantity, found, limit) in checks {
+            // NaN misses every limit.
+            if found.is_nan() || found > limit {
+                let time = trial.time;
+                return Err(StepError::Unbalanced {
+                    time,
+                    quantity,
+                    found,
+                    limit,
+                });
+            }
+        }
+        Ok(balance)
+    }
+
+    /// Enters the balance of forces and the energies of a state.
+    fn measure_mechanics(&self, state: &State, balance: &mut Balance) {
+        let State {
+            time,
+            pressure,
+            displacement,
+            walls,
+            history,
+            ..
+        } = state;
+        let audit = (self.model).audit(*time, pressure, displacement, walls, history);
+        if let Some(audit) = &audit {
+            balance.balance_forces(audit.unbalanced, audit.forces);
+        }
+        balance.energy = audit.map(|audit| audit.energy);
+        balance.potential = audit.map(|audit| audit.potential);
+    }
+
+    /// Fluid content of the pores above that at rest, m^D.
+    pub(super) fn stored(&self, state: &State) -> f64 {
+        let Some(flow) = &self.model.flow else {
+            return 0.0;
+        };
+        let strain: f64 = match self.model.coupling {
+            Some(_) => self
+                .model
+                .content(&state.displacement, &state.walls)
+                .iter()
+                .sum(),
+            None => 0.0,
+        };
+        flow.stored(&state.pressure) + strain
+    }
+}
+
+/// What the pores hold under pressure and by strain, in absolute amounts, m^D.
+fn held<const D: usize>(model: &Model<D>, state: &State) -> f64 {
+    let Some(flow) = &model.flow else { return 0.0 };
+    let pairs = flow.capacity.iter().zip(&state.pressure);
+    let stored: f64 = pairs.map(|(c, p)| (c * p).abs()).sum();
+    let strain: f64 = match model.coupling {
+        Some(_) => {
+            let content = model.content(&state.displacement, &state.walls);
+            content.iter().map(|c| c.abs()).sum()
+        }
+        None => 0.0,
+    };
+    stored + strain
+}
