@@ -9,7 +9,7 @@ use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
 use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
-use super::crack_length::{grown, started};
+use super::crack_length::{faces_of_bands, grown, started};
 use super::rejections::Verdict;
 use super::scale::Scale;
 use super::time_loop::Run;
@@ -42,7 +42,8 @@ impl Fractures {
         let damage = solid.damage.as_ref()?;
         let now = damage.of(&state.history);
         let fresh = |i: usize| now[i] >= BROKEN && state.history[i] > damage.initial[i];
-        let length = started(plan, model) + grown(solid, fresh, |i| now[i] >= BROKEN);
+        let grown = grown(solid, fresh, |i| now[i] >= BROKEN);
+        let length = started(plan, model) + grown * faces_of_bands(model);
         let forces = match solid.walls.is_empty() {
             true => Vec::new(),
             false => {
