@@ -4,9 +4,11 @@ use std::path::Path;
 
 use crate::cases;
 use crate::effects::EffectError;
+use crate::explain::{Explanation, explain};
 use crate::geometry::GeometryError;
 use crate::model::ModelError;
-use crate::plan::{Plan, resolve};
+use crate::plan::{FileError, Plan, resolve};
+use crate::run::{Examined, RunError, examine};
 use crate::scene::{self, Diagnostic, LoadedScene, Span};
 
 use super::exit::Failure;
@@ -128,6 +130,38 @@ fn case_name(path: &Path) -> String {
 }
 
 impl Planned {
+    /// What the plan will do and cost.
+    ///
+    /// # Errors
+    /// [`Failure::Scene`] for what a run would refuse at its start and estimates can tell.
+    pub fn explain(&self) -> Result<Explanation, Failure> {
+        let explained = match self.plan.dimension {
+            2 => explain::<2>(&self.plan),
+            _ => explain::<3>(&self.plan),
+        };
+        explained.map_err(|error| self.locate(&error))
+    }
+
+    /// What the plan will do and cost, with model and scheme built where that is quick.
+    ///
+    /// # Errors
+    /// [`Failure`] for what a run would refuse at its start.
+    pub fn examine(&self) -> Result<Examined, Failure> {
+        let examined = match self.plan.dimension {
+            2 => examine::<2>(&self.plan),
+            _ => examine::<3>(&self.plan),
+        };
+        examined.map_err(|error| self.failure(error))
+    }
+
+    /// An error of a run, underlined in the scene where it has a place there.
+    pub fn failure(&self, error: RunError) -> Failure {
+        match error {
+            RunError::Model(error) => self.locate(&error),
+            other => other.into(),
+        }
+    }
+
     /// An error of the model, underlined in the scene where it has a place there.
     pub fn locate(&self, error: &ModelError) -> Failure {
         let diagnostic = Diagnostic::new(error.to_string());
@@ -168,12 +202,14 @@ impl Planned {
                 .regions
                 .get(number - 1)
                 .map(|region| region.region.span),
-            ModelError::TableLength { path, .. } => {
+            ModelError::Table(FileError::Length { path, .. }) => {
                 scene
                     .materials
                     .iter()
                     .find_map(|entry| match entry.value.permeability.as_deref() {
-                        Some(scene::PermeabilityField::File(file)) if file.file.value == *path => {
+                        Some(scene::PermeabilityField::File(file))
+                            if Path::new(&file.file.value) == path =>
+                        {
                             Some(file.file.span)
                         }
                         _ => None,

@@ -19,6 +19,8 @@ pub enum Failure {
     Scene(Box<SceneErrors>),
     /// The run failed.
     Run(Box<RunError>),
+    /// The run needs more memory than there is.
+    Memory(String),
     /// A file could not be written.
     Output(OutputError),
     /// A study or a report could not be made.
@@ -36,7 +38,7 @@ impl Failure {
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
             Failure::Run(error) => run_code(error),
-            Failure::Output(_) => 1,
+            Failure::Memory(_) | Failure::Output(_) => 1,
             Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
             Failure::Study(_) => 1,
             Failure::Interrupted(_) => 130,
@@ -48,7 +50,7 @@ impl Failure {
     pub fn report(&self) -> u8 {
         let mut stderr = std::io::stderr().lock();
         let text = match self {
-            Failure::Usage(message) => format!("error: {message}"),
+            Failure::Usage(message) | Failure::Memory(message) => format!("error: {message}"),
             Failure::Scene(errors) => errors.render(colourful()),
             Failure::Run(error) => format!("error: {error}"),
             Failure::Output(error) => format!("error: {error}"),

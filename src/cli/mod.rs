@@ -4,6 +4,7 @@ mod cases;
 mod check;
 mod common;
 mod exit;
+mod memory;
 mod plan;
 mod processes;
 mod progress;
@@ -12,6 +13,7 @@ mod run;
 mod schema;
 mod solvers;
 mod study;
+mod threads;
 
 use std::process::ExitCode;
 
@@ -58,7 +60,13 @@ enum Verb {
 
 /// Runs the program; the exit code tells how it went.
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().verb {
+    let verb = Cli::parse().verb;
+    let result = threads::check_environment().and_then(|()| act(verb));
+    processes::Processes::started().leave(&result)
+}
+
+fn act(verb: Verb) -> Result<(), exit::Failure> {
+    match verb {
         Verb::Run(args) => run::run(&args),
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
@@ -72,6 +80,5 @@ pub fn main() -> ExitCode {
             clap_complete::generate(shell, &mut Cli::command(), "perifrac", &mut script);
             exit::print(&String::from_utf8_lossy(&script))
         }
-    };
-    processes::Processes::started().leave(&result)
+    }
 }

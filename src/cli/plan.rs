@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use crate::explain::explain;
 use crate::study::{self, Campaign, Options};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print};
+use super::memory;
 use super::study::{interruption, subject};
 
 /// Arguments of `plan`.
@@ -29,11 +29,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return forecast(args, error);
     }
     let planned = args.scene.plan()?;
-    let explanation = match planned.plan.dimension {
-        2 => explain::<2>(&planned.plan),
-        _ => explain::<3>(&planned.plan),
-    };
-    let explanation = explanation.map_err(|error| planned.locate(&error))?;
+    let mut explanation = planned.examine()?.explanation;
+    let shortage = memory::shortage(&explanation.memory, None);
+    explanation.warnings.extend(shortage);
     if args.json {
         return print(&serde_json::to_string_pretty(&explanation).unwrap_or_default());
     }

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::output::OutputError;
-use crate::run::{RunError, Summary, Writer, run_with};
+use crate::run::{Summary, Writer, run_with};
 
-use super::common::{Planned, SceneArgs};
+use super::common::SceneArgs;
 use super::exit::{Failure, print};
 use super::processes::Processes;
 use super::progress::Console;
+use super::{memory, threads};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -23,6 +24,9 @@ pub struct Args {
     /// Number of threads of each process [default: all processors, shared out]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Memory that the run may need, such as 8GiB [default: what is free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::size)]
+    memory: Option<u64>,
     /// Print the summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -35,7 +39,8 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let processes = Processes::started();
     let planned = args.scene.plan()?;
-    set_threads(args.threads, processes.threads())?;
+    threads::set(args.threads, processes.threads())?;
+    memory::check(&planned.explain()?.memory, args.memory)?;
     let folder = args
         .out
         .clone()
@@ -58,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => run_with::<3>(plan, team, writer_of, &mut console, &interrupt),
     };
     console.finish();
-    let (summary, _) = result.map_err(|error| failure(&planned, error))?;
+    let (summary, _) = result.map_err(|error| planned.failure(error))?;
     if !processes.leads() {
         return Ok(());
     }
@@ -95,26 +100,6 @@ fn check_folder(folder: &Path) -> Result<(), Failure> {
         }
         .into()),
     }
-}
-
-fn failure(planned: &Planned, error: RunError) -> Failure {
-    match error {
-        RunError::Model(error) => planned.locate(&error),
-        other => other.into(),
-    }
-}
-
-fn set_threads(wish: Option<usize>, default: Option<usize>) -> Result<(), Failure> {
-    let Some(threads) = wish.or(default) else {
-        return Ok(());
-    };
-    if threads == 0 {
-        return Err(Failure::Usage("--threads must be at least 1".to_owned()));
-    }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global();
-    pool.map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))
 }
 
 fn describe(summary: &Summary) -> String {
@@ -158,10 +143,14 @@ fn describe_mechanics(summary: &Summary) -> String {
         }
         text.push('\n');
     }
-    // With inertia the rest of the forces is what accelerates the solid.
-    let moving = summary.counters.field_bytes.contains_key("velocity");
-    if let (Some(momentum), false) = (summary.balance.momentum, moving) {
+    let balance = &summary.balance;
+    if let Some(momentum) = balance.momentum {
         text += &format!("  forces out of balance: {momentum:.1e} of all forces\n");
+    }
+    if let (Some(kinetic), Some(error)) = (balance.kinetic, balance.energy_error) {
+        text += &format!(
+            "  kinetic energy: {kinetic:.3e} J, energy out of balance: {error:.1e} of the largest so far\n"
+        );
     }
     text
 }

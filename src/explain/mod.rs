@@ -11,6 +11,8 @@ mod text;
 
 use serde::Serialize;
 
+pub use text::bytes;
+
 use crate::model::{ModelError, Sample, sample};
 use crate::plan::{Plan, damage_width, width_warning};
 use size::System;
@@ -26,6 +28,8 @@ pub struct Explanation {
     pub dimension: usize,
     /// Number of points.
     pub points: usize,
+    /// Whether the cloud is too large to be made here, so that a small one like it was sampled.
+    pub estimated: bool,
     /// Number of unknowns of all fields.
     pub unknowns: usize,
     /// Smallest and largest spacing, m.
@@ -149,6 +153,7 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         title: plan.title.clone(),
         dimension: D,
         points: sample.points,
+        estimated: sample.estimated,
         unknowns: fields * sample.points,
         spacing: sample.spacing,
         horizon: sample.horizon,

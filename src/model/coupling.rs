@@ -179,7 +179,8 @@ impl<const D: usize> Model<D> {
             solid.subtract_answer(&answer, &mut force);
             let left: f64 = force.iter().map(|f| f.abs()).sum();
             let held: f64 = solid.wall_forces(&answer).iter().map(|f| f.abs()).sum();
-            let energy = answer.energy(&answer.hourglass) + self.stored_energy(pressure);
+            let elastic = answer.energy(&answer.hourglass);
+            let energy = elastic + self.stored_energy(pressure);
             let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
             let scale = size(&loads) + size(&push) + held;
             return Some(Audit {
@@ -187,6 +188,7 @@ impl<const D: usize> Model<D> {
                 forces: scale,
                 energy,
                 potential: energy - dot(&loads, displacement),
+                elastic,
             });
         }
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
@@ -194,14 +196,15 @@ impl<const D: usize> Model<D> {
         solid.subtract_internal(displacement, walls, &mut force);
         // u·(K u + r w) is what the external forces do less what is left of them.
         let inner = outer - dot(&force, displacement);
-        let energy =
-            0.5 * (inner + solid.wall_work(displacement, walls)) + self.stored_energy(pressure);
+        let elastic = 0.5 * (inner + solid.wall_work(displacement, walls));
+        let energy = elastic + self.stored_energy(pressure);
         let left: f64 = force.iter().map(|f| f.abs()).sum();
         Some(Audit {
             unbalanced: left,
             forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
+            elastic,
         })
     }
 
@@ -233,4 +236,6 @@ pub struct Audit {
     pub energy: f64,
     /// The energy less the work of the loads that act now, J.
     pub potential: f64,
+    /// Elastic energy, J, without that of the fluid.
+    pub elastic: f64,
 }

@@ -10,8 +10,10 @@ mod disc;
 mod error;
 mod flow;
 mod fracture_flow;
+mod level;
 mod places;
 mod properties;
+mod rounding;
 mod sample;
 mod solid;
 mod stabilisation;
@@ -59,6 +61,8 @@ pub struct Model<const D: usize> {
     pub places: Places<D>,
     /// Points of cracks that are damaged from the start.
     pub bands: Bands,
+    /// Largest pressure or stress that the data name, Pa: what rounding is relative to.
+    pub level: f64,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// Where the time of the run goes.
@@ -130,6 +134,7 @@ impl<const D: usize> Model<D> {
             FractureFlow::of(plan, flow.as_ref(), coupling.as_ref(), &points.permeability);
         let injections = injections(plan, flow.as_ref(), &bands);
         Ok(Model {
+            level: level::level(plan, flow.as_ref()),
             fracture_flow,
             injections,
             cloud,

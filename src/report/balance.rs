@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::motion::{Moment, Motion};
+
 /// Cumulative volumes over a run in m^D; rates in m^D/s for a steady state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Balance {
@@ -23,7 +25,11 @@ pub struct Balance {
     /// Largest Σ|f| + Σ|Qᵀp| so far, N.
     #[serde(skip)]
     pub forces: f64,
-    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|; with mechanics.
+    /// Balances of a body with inertia.
+    #[serde(skip)]
+    pub motion: Motion,
+    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|, or a hundredth of the largest so far; with
+    /// inertia over the largest so far, what accelerates the solid included; with mechanics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum: Option<f64>,
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D); with mechanics.
@@ -32,6 +38,15 @@ pub struct Balance {
     /// The energy less the work of the loads that act now, J: never grows while they are constant.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub potential: Option<f64>,
+    /// Kinetic energy ½ vᵀMv, J; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kinetic: Option<f64>,
+    /// Work of loads, fluid and walls on the solid since the start, J; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work: Option<f64>,
+    /// |kinetic + elastic energy − work − both at the start| over the largest energy so far; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
 }
 
 /// Amounts of one step, or rates.
@@ -98,6 +113,16 @@ impl Balance {
             turnover: self.turnover,
             stored: self.stored,
         }
+    }
+
+    /// Enters the state of a body with inertia; gives the energy from nowhere over the largest so far.
+    pub fn balance_motion(&mut self, now: Moment) -> f64 {
+        let found = self.motion.follow(now);
+        self.momentum = Some(found.momentum);
+        self.kinetic = Some(found.kinetic);
+        self.work = Some(found.work);
+        self.energy_error = Some(found.energy);
+        found.unexplained
     }
 
     /// Enters the forces out of balance and all forces, N. Once loads have ended, what they leave is

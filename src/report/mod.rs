@@ -2,8 +2,10 @@
 
 mod balance;
 mod counters;
+mod motion;
 mod timers;
 
 pub use balance::{Balance, Flows, Moved};
 pub use counters::Counters;
+pub use motion::{Balanced, Moment, Motion};
 pub use timers::Timers;

@@ -3,7 +3,7 @@
 use super::time_loop::Run;
 use crate::model::Model;
 use crate::plan::TimeMode;
-use crate::report::Balance;
+use crate::report::{Balance, Moment};
 use crate::schemes::{Conserved, State, StepError, StepReport};
 
 /// Fluid that rounding may lose, relative to all that the pores hold: the sums of a million steps over a
@@ -30,14 +30,14 @@ impl<const D: usize> Run<'_, D> {
             TimeMode::Steady => 0.0,
         };
         balance.close(stored, rounding);
-        self.measure_mechanics(trial, &mut balance);
+        let conjured = self.measure_mechanics(trial, &mut balance);
         let step = balance.moved().since(&before).error(rounding);
         let limits = &self.plan.audit;
-        let moving = !trial.velocity.is_empty();
-        let forces = balance.momentum.filter(|_| !moving).unwrap_or(0.0);
+        let forces = balance.momentum.unwrap_or(0.0);
         let checks = [
             (Conserved::Mass, balance.mass.max(step), limits.mass),
             (Conserved::Momentum, forces, limits.momentum),
+            (Conserved::Energy, conjured, limits.energy),
         ];
         for (quantity, found, limit) in checks {
             // NaN misses every limit.
@@ -54,8 +54,9 @@ impl<const D: usize> Run<'_, D> {
         Ok(balance)
     }
 
-    /// Enters the balance of forces and the energies of a state.
-    fn measure_mechanics(&self, state: &State, balance: &mut Balance) {
+    /// Enters the balance of forces and the energies of a state; gives the energy that came from nowhere
+    /// over all that was supplied or stored.
+    fn measure_mechanics(&self, state: &State, balance: &mut Balance) -> f64 {
         let State {
             time,
             pressure,
@@ -65,11 +66,16 @@ impl<const D: usize> Run<'_, D> {
             ..
         } = state;
         let audit = (self.model).audit(*time, pressure, displacement, walls, history);
-        if let Some(audit) = &audit {
-            balance.balance_forces(audit.unbalanced, audit.forces);
-        }
         balance.energy = audit.map(|audit| audit.energy);
         balance.potential = audit.map(|audit| audit.potential);
+        let Some(audit) = audit else { return 0.0 };
+        match moment(&self.model, state, audit.elastic) {
+            Some(now) => balance.balance_motion(now),
+            None => {
+                balance.balance_forces(audit.unbalanced, audit.forces);
+                0.0
+            }
+        }
     }
 
     /// Fluid content of the pores above that at rest, m^D.
@@ -87,6 +93,29 @@ impl<const D: usize> Run<'_, D> {
         };
         flow.stored(&state.pressure) + strain
     }
+}
+
+/// What the balances need of a body with inertia; nothing without.
+fn moment<const D: usize>(model: &Model<D>, state: &State, elastic: f64) -> Option<Moment> {
+    let solid = model
+        .solid
+        .as_ref()
+        .filter(|solid| !solid.mass.is_empty())?;
+    let external = model.push(state.time, &state.pressure);
+    let mut total = external.clone();
+    solid.subtract_internal(&state.displacement, &state.walls, &mut total);
+    let of_components = solid.mass.iter().flat_map(|mass| [*mass; D]);
+    Some(Moment {
+        time: state.time,
+        mass: of_components.collect(),
+        velocity: state.velocity.clone(),
+        displacement: state.displacement.clone(),
+        external,
+        total,
+        walls: state.walls.clone(),
+        held: solid.internal_wall_force(&state.displacement, &state.walls, &[]),
+        elastic,
+    })
 }
 
 /// What the pores hold under pressure and by strain, in absolute amounts, m^D.

@@ -7,10 +7,11 @@ use crate::geometry::{Place, Side};
 use crate::model::{Faces, Model, MovingWall};
 use crate::plan::{MechanicsPlan, Plan, Support, TimeMode, exact_opening};
 use crate::report::Balance;
-use crate::schemes::{State, StepReport};
+use crate::schemes::{Rejection, State, StepReport};
 
 use super::finish::{extremes, in_slab, largest};
 use super::fracture::{self, Fractures};
+use super::rejections::Rejections;
 
 /// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -80,6 +81,9 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
             columns.extend(fracture::names::<D>(plan, mechanics));
         }
         columns.extend(["energy_J", "potential_J", "momentum_balance"].map(str::to_owned));
+        if mechanics.inertia {
+            columns.extend(["kinetic_J", "work_J", "energy_balance"].map(str::to_owned));
+        }
     }
     if plan.flow.is_some() {
         columns.extend(Side::all(D).map(|side| format!("outflow_{side}_m3_per_s")));
@@ -92,6 +96,7 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
         columns.extend(names.map(|name| format!("{name}_{amount}")));
         columns.push("mass_balance".to_owned());
     }
+    columns.extend(Rejection::ALL.map(|reason| format!("rejected_{}", reason.name())));
     columns
 }
 
@@ -115,7 +120,7 @@ pub fn row<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
     state: &State,
-    (dt, report): (f64, &StepReport),
+    (dt, report, rejections): (f64, &StepReport, Rejections),
     balance: &Balance,
     fractures: Option<&Fractures>,
 ) -> Vec<f64> {
@@ -144,6 +149,10 @@ pub fn row<const D: usize>(
         row.extend(fractures.map(fracture::row).unwrap_or_default());
         let own = [balance.energy, balance.potential, balance.momentum];
         row.extend(own.map(|value| value.unwrap_or(0.0)));
+        if mechanics.inertia {
+            let own = [balance.kinetic, balance.work, balance.energy_error];
+            row.extend(own.map(|value| value.unwrap_or(0.0)));
+        }
     }
     if let Some(flow) = &model.flow {
         let rates = flow.outflow(&state.pressure, state.time).into_iter();
@@ -160,5 +169,6 @@ pub fn row<const D: usize>(
             balance.mass,
         ]);
     }
+    row.extend(Rejection::ALL.map(|reason| rejections.of(reason) as f64));
     row
 }

@@ -360,6 +360,8 @@ pub(super) fn in_slab(plan: &Plan, balance: &Balance) -> Balance {
         turnover: whole(balance.turnover),
         energy: balance.energy.map(whole),
         potential: balance.potential.map(whole),
+        kinetic: balance.kinetic.map(whole),
+        work: balance.work.map(whole),
         ..balance.clone()
     }
 }

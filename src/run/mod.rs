@@ -4,6 +4,7 @@ mod audit;
 mod columns;
 mod crack_length;
 mod error;
+mod examine;
 mod finish;
 mod fracture;
 mod rejections;
@@ -16,6 +17,7 @@ mod writer;
 
 pub use columns::openings;
 pub use error::RunError;
+pub use examine::{Examined, examine};
 pub use fracture::Results;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};

@@ -35,6 +35,8 @@ pub struct Progress {
     pub rejected: u64,
     /// Iterations of the linear solver in the last step.
     pub iterations: usize,
+    /// Passes between the fields in the last step, and what the last of them left, relative to its scale.
+    pub passes: Option<(usize, f64)>,
     /// Energy of Eq. 73 less the work of the loads, J; with mechanics.
     pub potential: Option<f64>,
 }
@@ -298,6 +300,7 @@ impl<const D: usize> Run<'_, D> {
             steps: self.steps,
             rejected: self.rejections.total(),
             iterations: report.iterations,
+            passes: report.residual.map(|left| (report.passes, left)),
             potential: self.balance.potential,
         });
         Ok(())
@@ -411,7 +414,7 @@ impl<const D: usize> Run<'_, D> {
             self.plan,
             &self.model,
             &self.state,
-            (dt, report),
+            (dt, report, self.rejections),
             &self.balance,
             self.tracker.last.as_ref(),
         );

@@ -10,12 +10,14 @@
 //! [`SceneErrors`]. Lengths, pressures and so on are [`Quantity`] values in SI that remember where
 //! they were typed, so that later steps can underline them too.
 
+mod base;
 mod diagnostics;
 mod draft;
 mod load;
 mod loading;
 mod overrides;
 pub mod quantity;
+mod range;
 mod reader;
 mod recover;
 mod schema;

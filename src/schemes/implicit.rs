@@ -207,7 +207,7 @@ pub(super) fn weigh<const D: usize>(
 }
 
 /// What the pores of fixed points take up comes in there too.
-fn close_fixed<const D: usize>(
+pub(super) fn close_fixed<const D: usize>(
     model: &Model<D>,
     flow: &FlowModel<D>,
     flows: &mut Flows,

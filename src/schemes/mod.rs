@@ -57,6 +57,10 @@ use crate::report::Flows;
 pub struct StepReport {
     /// Iterations of the linear solvers, or of relaxation.
     pub iterations: usize,
+    /// Passes between the fields, or between damage and displacement.
+    pub passes: usize,
+    /// What the last pass left, relative to its scale; `None` without passes.
+    pub residual: Option<f64>,
     /// Estimated root mean square error of the step, Pa; `None` for a scheme without an estimate.
     pub error: Option<f64>,
     /// Volumes moved during the step.

@@ -13,7 +13,7 @@ use perifrac_solvers::{
 };
 
 use super::layout::BlockMatrix;
-use super::solid::{Border, Chosen, build_solver, corner, ratio};
+use super::solid::{Border, Chosen, build_solver, corner, ratio, volume_stiffness};
 use super::stage::{Stage, Target};
 use super::system::SAME;
 use super::{
@@ -54,6 +54,7 @@ impl Monolithic {
             partition: solid_of(model)?.share().partition(),
             solves: demand.solves,
             contrast: ratio(flow_of(model)?.mobility.iter().copied()),
+            volume_stiffness: volume_stiffness(solid_of(model)?),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,

@@ -53,10 +53,9 @@ pub fn solve_steady<const D: usize>(
     flow.add_fixed_inflow(&imbalance, &mut flows);
     let report = StepReport {
         iterations,
-        error: None,
         flows,
-        growth: None,
         stored: None,
+        ..StepReport::default()
     };
     let counters = SchemeCounters {
         solver: system.counters().clone(),

@@ -5,7 +5,7 @@ use perifrac_solvers::{CsrView, LinearSolver, Problem, SolveError, SolveReport, 
 use crate::report::Timers;
 
 /// Adds the time of every stage of a solver to its phase: `analysis`, `factor` (factors and
-/// preconditioners) and `krylov` (iterations; of direct solvers the substitutions).
+/// preconditioners), and `substitution` with a factor or `krylov` iterations.
 pub struct TimedSolver {
     solver: Box<dyn LinearSolver>,
     timers: Timers,
@@ -21,6 +21,10 @@ impl TimedSolver {
 impl LinearSolver for TimedSolver {
     fn name(&self) -> &'static str {
         self.solver.name()
+    }
+
+    fn is_direct(&self) -> bool {
+        self.solver.is_direct()
     }
 
     fn analyse(&mut self, problem: &Problem<'_>) -> Result<(), SolveError> {
@@ -40,9 +44,14 @@ impl LinearSolver for TimedSolver {
         x: &mut [f64],
         tolerance: f64,
     ) -> Result<SolveReport, SolveError> {
+        let phase = if self.is_direct() {
+            "substitution"
+        } else {
+            "krylov"
+        };
         let solver = &mut self.solver;
         let work = || solver.solve_to(matrix, rhs, x, tolerance);
-        self.timers.time("krylov", work)
+        self.timers.time(phase, work)
     }
 
     fn counters(&self) -> &SolverCounters {

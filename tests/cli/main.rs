@@ -12,6 +12,7 @@ mod fault_texts;
 mod folders;
 mod interrupt;
 mod listings;
+mod mutations;
 mod processes;
 mod repeats;
 mod runs;

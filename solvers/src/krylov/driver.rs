@@ -5,7 +5,7 @@ use crate::matrix::{check_vector, rounding_floor};
 use crate::preconditioner::{self, Demand, Preconditioner, PreconditionerInfo};
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, Options};
-use crate::system::{ACCEPTED_RESIDUAL, Residuals, System};
+use crate::system::{AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, SolveError, SolveReport, SolverCounters, SpecError, norm2};
 
 /// Restarts allowed when the recursive residual has drifted from the true one.
@@ -289,7 +289,7 @@ impl Krylov {
     ) -> Result<(), SolveError> {
         let (residual, iterations) = (progress.found.plain, progress.done);
         let at_the_floor = || residual <= FLOOR_FACTOR * rounding_floor(matrix, x, rhs);
-        if residual <= self.tolerance || (residual <= ACCEPTED_RESIDUAL && at_the_floor()) {
+        if residual <= self.tolerance || (residual <= AT_THE_FLOOR && at_the_floor()) {
             return Ok(());
         }
         let (method, tolerance) = (self.backend.name, self.tolerance);
@@ -383,6 +383,10 @@ impl LinearSolver for Krylov {
             self.preconditioner.observe(progress.done);
         }
         Ok(progress.found.report(progress.done))
+    }
+
+    fn is_direct(&self) -> bool {
+        false
     }
 
     fn counters(&self) -> &SolverCounters {

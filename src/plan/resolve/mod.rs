@@ -7,6 +7,7 @@ mod fracture;
 mod geometry;
 mod materials;
 mod mechanics;
+mod shortened;
 #[cfg(test)]
 mod tests;
 
@@ -52,7 +53,7 @@ impl Resolver<'_> {
         let materials: Vec<Option<MaterialPlan>> = scene
             .materials
             .iter()
-            .map(|entry| self.material(&entry.name, &entry.value))
+            .map(|entry| self.material(&entry.name, &entry.value, geometry.as_ref()))
             .collect();
         let solver = self.solver();
         let geometry = geometry?;
@@ -63,7 +64,12 @@ impl Resolver<'_> {
             None => None,
         };
         self.check_cracks(dimension);
-        let time = control::time(&scene.time);
+        let (mut time, mut output) = (
+            control::time(&scene.time, scene.fracture_flow.is_some()),
+            control::output(&scene.output, &scene.time),
+        );
+        let mut damage = fracture::damage(scene, time.end);
+        let cut = shortened::cut_to_end(scene, &mut time, &mut output, damage.as_mut());
         let mut plan = Plan {
             case: case.to_owned(),
             title: scene.title.clone(),
@@ -77,7 +83,7 @@ impl Resolver<'_> {
             flow: scene.flow.as_deref().map(flow::flow_plan),
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
-            damage: fracture::damage(scene, time.end),
+            damage,
             fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
             cracks: fracture::cracks(scene, thickness),
@@ -87,13 +93,13 @@ impl Resolver<'_> {
             scheme_options: control::scheme_options(&scene.scheme),
             solver: solver?,
             audit: control::audit(&scene.audit),
-            output: control::output(&scene.output, &scene.time),
+            output,
             reference: scene.reference.as_deref().map(control::reference_plan),
             warnings: Vec::new(),
         };
         self.check_reference(&plan);
         self.check_planes(&plan);
-        plan.warnings = warnings(&plan);
+        plan.warnings = cut.into_iter().chain(warnings(&plan)).collect();
         Some(plan)
     }
 
@@ -143,6 +149,12 @@ impl Resolver<'_> {
 /// Doubts about the plan that do not stop it.
 fn warnings(plan: &Plan) -> Vec<String> {
     let mut warnings: Vec<String> = split_doubt(plan).into_iter().collect();
+    if plan.scheme_options.single_pass && matches!(plan.scheme, SchemeChoice::SemiImplicit(_)) {
+        warnings.push(
+            "scheme.single_pass takes the strain of the last step, however flow and mechanics disagree"
+                .to_owned(),
+        );
+    }
     let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else {
         return warnings;
     };

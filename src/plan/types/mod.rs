@@ -124,6 +124,30 @@ pub enum GeometryPlan {
     },
 }
 
+impl GeometryPlan {
+    /// Points along each axis, where they form a lattice or a tensor grid that can be made.
+    pub fn cells(&self) -> Option<Vec<usize>> {
+        let along = |(axis, segments): (usize, &Vec<Segment>)| {
+            let cells = segments.iter().map(|segment| segment.cells(axis).ok());
+            cells.sum::<Option<usize>>()
+        };
+        match self {
+            Self::Lattice { cells, .. } => Some(cells.clone()),
+            Self::Graded { axes, .. } => axes.iter().enumerate().map(along).collect(),
+            Self::Blocks { .. } | Self::Points { .. } => None,
+        }
+    }
+
+    /// Number of points, where it is known before they are made.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::Points { table, .. } => Some(table.volume.len()),
+            _ => (self.cells()?.into_iter())
+                .try_fold(1_usize, |product, cells| product.checked_mul(cells)),
+        }
+    }
+}
+
 /// The pore fluid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FluidPlan {

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use super::Summary;
 use super::fracture::{Fractures, Tracker};
+use super::rejections::Rejections;
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd, Table, write_json};
 use crate::plan::{Plan, TimeMode};
@@ -113,7 +114,7 @@ impl Writer {
         plan: &Plan,
         model: &Model<D>,
         state: &State,
-        (dt, report): (f64, &StepReport),
+        step: (f64, &StepReport, Rejections),
         balance: &Balance,
         fractures: Option<&Fractures>,
     ) -> Result<(), OutputError> {
@@ -126,7 +127,7 @@ impl Writer {
         if !kept && !last {
             return Ok(());
         }
-        let row = super::columns::row(plan, model, state, (dt, report), balance, fractures);
+        let row = super::columns::row(plan, model, state, step, balance, fractures);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }

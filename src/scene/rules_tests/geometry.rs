@@ -140,7 +140,7 @@ fn blocks_rules() {
         (
             "levels = 2",
             "levels = 0",
-            "`levels` must lie between 1 and 12",
+            "`levels` must lie between 1 and 12, found 0",
             "0",
         ),
         (
@@ -201,7 +201,7 @@ fn horizon_rules() {
         (
             "ratio = 2.3",
             "ratio = 0.5",
-            "`ratio` below 1 leaves every point without neighbours",
+            "`ratio` must lie between 1 and 10, found 0.5",
             "0.5",
         ),
         (
@@ -213,7 +213,7 @@ fn horizon_rules() {
         (
             "ratio = 2.3",
             "neighbours = 2",
-            "`neighbours` must be at least 3, found 2",
+            "`neighbours` must lie between 3 and 500, found 2",
             "2",
         ),
         (

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::scene::quantity::Number;
+use crate::scene::range::{Range, within};
 use crate::scene::span::Span;
 use crate::scene::validate::{Context, Report, Section};
 
@@ -12,12 +13,28 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Audit {
-    /// Fluid that may be lost or made, over all that was moved or taken up, from 1e-10 to 1.
+    /// Fluid that may be lost or made, over all that was moved or taken up.
+    #[schemars(transform = within(&MASS))]
     pub mass: Number,
-    /// Forces that may be left out of balance, over all forces, from 1e-10 to 1.
+    /// Forces that may be left out of balance, over all forces.
+    #[schemars(transform = within(&MOMENTUM))]
     pub momentum: Number,
-    /// Energy that may come from nowhere, over all that was supplied or stored, from 1e-10 to 1.
+    /// Energy that may come from nowhere, over all that was supplied or stored.
+    #[schemars(transform = within(&ENERGY))]
     pub energy: Number,
+}
+
+const MASS: Range = limit("mass");
+const MOMENTUM: Range = limit("momentum");
+const ENERGY: Range = limit("energy");
+
+const fn limit(key: &'static str) -> Range {
+    Range {
+        key,
+        low: 1e-10,
+        high: 1.0,
+        why: "sums over many points round off less, and at 1 nothing is checked",
+    }
 }
 
 impl Default for Audit {
@@ -34,9 +51,8 @@ impl Section for Audit {
     const NAME: &'static str = "audit";
 
     fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
-        // Below 1e-10 sums over many points are rounding; at 1 nothing is checked.
-        report.within("mass", self.mass, 1e-10, 1.0);
-        report.within("momentum", self.momentum, 1e-10, 1.0);
-        report.within("energy", self.energy, 1e-10, 1.0);
+        MASS.check(self.mass, report);
+        MOMENTUM.check(self.momentum, report);
+        ENERGY.check(self.energy, report);
     }
 }

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Number, values};
+use crate::scene::range::{Range, within};
 use crate::scene::shape::Shape;
 use crate::scene::span::{Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -38,7 +39,8 @@ pub struct Lattice {
     pub points: Option<Spanned<Vec<Spanned<u64>>>>,
     /// Cell edge, m; must divide `size`. Excludes `points`.
     pub spacing: Option<Length>,
-    /// Random shift of the points as a part of the spacing, 0 to 0.4.
+    /// Random shift of the points as a part of the spacing.
+    #[schemars(transform = within(&JITTER))]
     #[serde(default = "zero")]
     pub jitter: Number,
     /// Seed of the random shift.
@@ -105,7 +107,8 @@ pub struct Blocks {
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
-    /// How many times the cells are halved, 1 to 12.
+    /// How many times the cells are halved.
+    #[schemars(transform = within(&LEVELS))]
     pub levels: Spanned<u64>,
     /// Where.
     pub region: Spanned<Shape>,
@@ -133,6 +136,19 @@ pub struct FileBounds {
     /// Highest corner, m.
     pub max: Spanned<Vec<Length>>,
 }
+
+const JITTER: Range = Range {
+    key: "jitter",
+    low: 0.0,
+    high: 0.4,
+    why: "beyond half a cell points leave their own cells and may meet",
+};
+const LEVELS: Range = Range {
+    key: "levels",
+    low: 1.0,
+    high: 12.0,
+    why: "twelve halvings are a factor of 4096 along each axis",
+};
 
 fn zero() -> Number {
     Number::si(0.0)
@@ -314,7 +330,7 @@ fn check_lattice(lattice: &Lattice, place: Span, report: &mut Report) {
     if let Some(spacing) = lattice.spacing {
         check_divides(&lattice.size, spacing, report);
     }
-    report.within("jitter", lattice.jitter, 0.0, 0.4);
+    JITTER.check(lattice.jitter, report);
 }
 
 fn check_divides(size: &[Length], spacing: Length, report: &mut Report) {
@@ -371,10 +387,7 @@ fn check_blocks(blocks: &Blocks, scene: &Context<'_>, report: &mut Report) {
     check_divides(&blocks.size, blocks.spacing, report);
     for refinement in &blocks.refine {
         report.shape(&refinement.region, scene);
-        if !(1..=12).contains(&refinement.levels.value) {
-            let message = "`levels` must lie between 1 and 12";
-            report.add(Diagnostic::new(message).at(refinement.levels.span));
-        }
+        LEVELS.check_count(refinement.levels, report);
     }
 }
 

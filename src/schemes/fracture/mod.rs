@@ -14,6 +14,7 @@ mod daring;
 mod descent;
 mod flow;
 mod lagged;
+mod rates;
 mod tangents;
 mod upkeep;
 
