@@ -19,5 +19,6 @@ mod output;
 mod patch;
 mod poroelastic;
 mod shares;
+mod shelf;
 mod theis;
 mod two_layer;
