@@ -10,6 +10,9 @@ use crate::scene::SceneErrors;
 use crate::schemes::StepError;
 use crate::study::StudyError;
 
+/// Exit code after a signal.
+pub const INTERRUPTED: u8 = 130;
+
 /// A failure of a verb, as told to the user.
 #[derive(Debug)]
 pub enum Failure {
@@ -41,7 +44,7 @@ impl Failure {
             Failure::Memory(_) | Failure::Output(_) => 1,
             Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
             Failure::Study(_) => 1,
-            Failure::Interrupted(_) => 130,
+            Failure::Interrupted(_) => INTERRUPTED,
             Failure::Broken => 0,
         }
     }
@@ -76,7 +79,7 @@ fn run_code(error: &RunError) -> u8 {
             | StepError::LoosePlate => 3,
             _ => 4,
         },
-        RunError::Interrupted { .. } => 130,
+        RunError::Interrupted { .. } => INTERRUPTED,
         _ => 1,
     }
 }
@@ -128,5 +131,10 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a warning on standard error; a run goes on even if nobody can read it.
 pub fn warn(message: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "warning: {message}");
+    say(&format!("warning: {message}"));
+}
+
+/// Prints a line on standard error, if there is someone to read it.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }

@@ -4,6 +4,7 @@ mod cases;
 mod check;
 mod common;
 mod exit;
+mod interrupt;
 mod memory;
 mod plan;
 mod processes;
@@ -60,6 +61,7 @@ enum Verb {
 
 /// Runs the program; the exit code tells how it went.
 pub fn main() -> ExitCode {
+    interrupt::keep_hangups_ignored();
     let verb = Cli::parse().verb;
     let result = threads::check_environment().and_then(|()| act(verb));
     processes::Processes::started().leave(&result)

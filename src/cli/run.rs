@@ -1,14 +1,13 @@
 //! `perifrac run`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::output::OutputError;
 use crate::run::{Summary, Writer, run_with};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print};
+use super::interrupt::handled;
 use super::processes::Processes;
 use super::progress::Console;
 use super::{memory, threads};
@@ -52,10 +51,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         true => Writer::create(&folder, &resolved)?,
         false => Writer::follow(&folder, &resolved),
     };
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = interrupt.clone();
-    // Without a handler the run is simply ended at once, as before.
-    let _ = ctrlc::set_handler(move || interrupted(&flag));
+    let interrupt = handled();
     let mut console = Console::new(args.quiet || !processes.leads());
     let (plan, team, writer_of) = (&planned.plan, team.as_ref(), Some(&mut writer));
     let result = match plan.dimension {
@@ -79,13 +75,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         describe(&summary),
         writer.folder().display()
     ))
-}
-
-/// The first interruption ends the run after its step; the second, should a step take long, at once.
-fn interrupted(flag: &AtomicBool) {
-    if flag.swap(true, Ordering::Relaxed) {
-        std::process::exit(130);
-    }
 }
 
 /// Refuses a folder whose place, or the way to it, is taken by a file.
@@ -158,6 +147,7 @@ fn describe_mechanics(summary: &Summary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::Interrupt;
     use crate::{cases, plan, scene};
 
     fn described(case: &str, overrides: &[&str]) -> String {
@@ -165,7 +155,7 @@ mod tests {
         let text = cases::find(case).unwrap().scene;
         let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
         let plan = plan::resolve(&loaded, case).unwrap();
-        let summary = run_with::<2>(&plan, None, None, &mut (), &AtomicBool::new(false));
+        let summary = run_with::<2>(&plan, None, None, &mut (), &Interrupt::default());
         describe(&summary.unwrap().0)
     }
 
