@@ -1,7 +1,7 @@
 //! Failures and their exit codes.
 
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::model::ModelError;
 use crate::output::OutputError;
@@ -137,4 +137,15 @@ pub fn warn(message: &str) {
 /// Prints a line on standard error, if there is someone to read it.
 pub fn say(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Says which files of the user stood where results belong, by their new names.
+pub fn tell_of_kept(paths: &[PathBuf]) {
+    for path in paths {
+        let path = path.display();
+        warn(&format!(
+            "a file that no run wrote, or that was changed since, stood where a result belongs; it is now \
+             {path}"
+        ));
+    }
 }

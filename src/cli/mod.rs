@@ -5,6 +5,7 @@ mod check;
 mod common;
 mod exit;
 mod interrupt;
+mod label;
 mod memory;
 mod plan;
 mod processes;

@@ -6,8 +6,9 @@ use crate::output::OutputError;
 use crate::run::{Summary, Writer, run_with};
 
 use super::common::SceneArgs;
-use super::exit::{Failure, print};
+use super::exit::{Failure, print, tell_of_kept};
 use super::interrupt::handled;
+use super::label::label;
 use super::processes::Processes;
 use super::progress::Console;
 use super::{memory, threads};
@@ -17,7 +18,8 @@ use super::{memory, threads};
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Folder for the results [default: out/CASE]
+    /// Folder for the results; the next run there removes what this one writes and nothing else
+    /// [default: out/CASE, followed by +SCHEME, +SOLVER and +KEY=VALUE as given]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Number of threads of each process [default: all processors, shared out]
@@ -43,7 +45,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
+        .unwrap_or_else(|| default_folder(&args.scene, &planned.plan.case));
     check_folder(&folder)?;
     let team = processes.team()?;
     let resolved = planned.loaded.resolved_toml();
@@ -59,6 +61,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => run_with::<3>(plan, team, writer_of, &mut console, &interrupt),
     };
     console.finish();
+    tell_of_kept(&writer.kept());
     let (summary, _) = result.map_err(|error| planned.failure(error))?;
     if !processes.leads() {
         return Ok(());
@@ -75,6 +78,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         describe(&summary),
         writer.folder().display()
     ))
+}
+
+/// A folder of its own for every variant of a case.
+fn default_folder(scene: &SceneArgs, case: &str) -> PathBuf {
+    PathBuf::from("out").join(format!("{case}{}", label(scene)))
 }
 
 /// Refuses a folder whose place, or the way to it, is taken by a file.

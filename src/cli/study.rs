@@ -6,12 +6,14 @@ use std::time::{Duration, Instant};
 
 use clap::builder::PossibleValuesParser;
 
+use crate::output::{FolderLock, Manifest};
 use crate::run::Interrupt;
 use crate::study::{self, Campaign, Options, Row, Status, Subject, Variant, Watcher};
 
 use super::common::SceneArgs;
-use super::exit::{Failure, print};
+use super::exit::{Failure, print, tell_of_kept};
 use super::interrupt::handled;
+use super::label::label;
 
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
@@ -56,7 +58,7 @@ pub struct Args {
     /// Longest single run [default: a tenth of the budget]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     limit: Option<Duration>,
-    /// Folder for the report [default: out/study-KIND-CASE]
+    /// Folder for the report [default: out/study-KIND-CASE, followed by +KEY=VALUE as given]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print report.json
@@ -87,13 +89,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let quick = if args.quick { "-quick" } else { "" };
-    let default = format!("study-{}-{}{quick}", args.kind, subject.plan.case);
+    let variant = label(&scene_of(&args.scene, &args.overrides));
+    let default = format!("study-{}-{}{variant}{quick}", args.kind, subject.plan.case);
     let folder = args
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(default));
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::Usage(format!("cannot create {}: {error}", folder.display())))?;
+    let _lock = FolderLock::take(&folder)?;
+    // Dropped before the lock is.
+    let list = Manifest::go_on(&folder)?;
     let interrupt = handled();
     let budget = args
         .budget
@@ -113,6 +119,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     kind.compare(&mut runs);
     let report = study::write_report(&folder, &*kind, &subject, &runs, complete)?;
+    tell_of_kept(&list.kept());
     let page = folder.join("report.html");
     if interrupt.is_raised() {
         return Err(Failure::Interrupted(format!(

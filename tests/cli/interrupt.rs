@@ -211,3 +211,53 @@ fn what_cannot_be_left_is_ended_all_the_same() {
     assert!(stderr.contains("what was written is complete"), "{stderr}");
     assert!(!place.path("out/summary.json").exists());
 }
+
+#[test]
+fn a_folder_is_for_one_run_at_a_time_and_free_after_a_kill() {
+    let place = Place::with_scene(&[]);
+    let mut run = start(&place, &LONG);
+    wait_for("an output", || place.path("out/fields-0001.vtu").exists());
+    let second = place.run(&["run", "scene.toml", "--out", "out"]);
+    let expected = format!(
+        "error: out is in use: process {} is writing there; wait until it has ended, end it, or choose \
+         another folder with --out\n",
+        run.0.id()
+    );
+    assert_eq!((second.code, second.stderr), (Some(1), expected));
+    run.0.kill().unwrap();
+    run.0.wait().unwrap();
+    assert!(place.path("out/.perifrac-lock").exists());
+    place.succeed(&["run", "scene.toml", "--out", "out"]);
+    let left = [
+        "fields-0000.vtu",
+        "fields-0001.vtu",
+        "fields.pvd",
+        "history.csv",
+        "resolved.toml",
+        "summary.json",
+    ];
+    assert_eq!(place.list("out"), left);
+}
+
+#[test]
+fn a_second_interruption_does_not_wait_for_a_long_solve() {
+    let place = Place::with_scene(&[("points = [8, 8]", "points = [500, 500]")]);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_perifrac"));
+    command.args([
+        "run",
+        "scene.toml",
+        "--out",
+        "out",
+        "--set",
+        "time.mode=steady",
+    ]);
+    let mut run = Running(command.current_dir(place.path("")).spawn().unwrap());
+    wait_for("the start", || place.path("out/resolved.toml").exists());
+    for _ in 0..2 {
+        std::thread::sleep(Duration::from_millis(200));
+        run.signal("-INT");
+    }
+    wait_for("the end", || run.ended());
+    assert_eq!(run.0.wait().unwrap().code(), Some(130));
+    assert!(!place.path("out/summary.json").exists());
+}
