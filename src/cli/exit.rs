@@ -3,6 +3,8 @@
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
+use perifrac_solvers::SolveError;
+
 use crate::model::ModelError;
 use crate::output::OutputError;
 use crate::run::RunError;
@@ -71,6 +73,8 @@ fn run_code(error: &RunError) -> u8 {
     match error {
         RunError::Model(_) => 3,
         RunError::Step { source, .. } => match source {
+            // A library that is not there is no fault of the scene, and no failure to converge.
+            StepError::Solve(SolveError::Unavailable { .. }) => 2,
             StepError::Spec(_)
             | StepError::Pattern(_)
             | StepError::NoSteadyState { .. }

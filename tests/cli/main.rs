@@ -16,5 +16,6 @@ mod mutations;
 mod processes;
 mod repeats;
 mod runs;
+mod solver_flags;
 mod studies;
 mod support;
