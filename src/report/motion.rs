@@ -18,9 +18,12 @@ pub struct Motion {
     work: f64,
     /// Energy that the scheme's own error made since then, J.
     own: f64,
-    /// Largest forces and largest energy so far: scales that last when the load is gone.
+    /// Energy at the last state, J: what a step in which a load appears gives is supplied by the next.
+    held: f64,
+    /// Largest forces, energy and supply so far: scales that last when the load is gone.
     forces: f64,
     energies: f64,
+    supplied: f64,
 }
 
 /// What the balances need of a state; all of shape `(n·D,)` but for the walls.
@@ -61,9 +64,10 @@ pub struct Balanced {
     pub momentum: f64,
 }
 
-/// Share of the largest energy so far that the scheme's own error may make: in the highest mode of a
-/// lattice stable steps leave (ω Δt)²/4 of its energy, and unstable ones all of it.
-const MOST_OWN: f64 = 0.5;
+/// Energy over all that was supplied from which steps are unstable. Stable ones leave (ω Δt)²/4 of the
+/// energy of a mode, a third or so of the highest one at the share of the limit that is taken; the energy
+/// of unstable ones grows with the square of the displacement, the work of loads with itself.
+const MOST: f64 = 4.0;
 
 impl Motion {
     /// Takes in the next state.
@@ -86,11 +90,12 @@ impl Motion {
             }
         };
         let gap = kinetic + now.elastic - self.work - self.start;
-        let energies = [kinetic + now.elastic, self.start.abs(), self.work.abs()];
-        self.energies = energies.into_iter().fold(self.energies, f64::max);
-        self.last = Some(Arc::new(now));
-        let stable = self.own.abs() <= MOST_OWN * self.energies;
+        self.supplied = self.supplied.max(self.start).max(self.work.abs());
+        let stable = self.held <= MOST * self.supplied;
         let own = if stable { self.own } else { 0.0 };
+        self.held = kinetic + now.elastic;
+        self.energies = self.energies.max(self.held).max(self.supplied);
+        self.last = Some(Arc::new(now));
         Balanced {
             kinetic,
             work: self.work,

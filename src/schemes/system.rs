@@ -38,6 +38,8 @@ const REFINEMENTS: usize = 4;
 /// Part of the improvement still wanted that a correction aims at, and the least it aims at.
 const FURTHER: f64 = 0.1;
 const LEAST: f64 = 0.1;
+/// Residual of an error estimate: a step changes by less than a thousandth of this.
+pub(super) const FILTERED: f64 = 1e-4;
 /// Relative change of the coefficient that keeps a factor.
 pub(super) const SAME: f64 = 1e-12;
 /// Residual, relative to the right-hand side, beyond which a solution is refused. At contrasts of 1e12
@@ -213,10 +215,11 @@ impl ImplicitSystem {
         Ok(iterations)
     }
 
-    /// (S + a L)⁻¹ rhs from rest: the filter of error estimates.
+    /// (S + a L)⁻¹ rhs from rest, zero at fixed points: the filter of error estimates, of which a few
+    /// digits matter.
     ///
     /// # Errors
-    /// As [`ImplicitSystem::solve`].
+    /// [`SolveError`] of the solver.
     pub fn filter<const D: usize>(
         &mut self,
         flow: &FlowModel<D>,
@@ -224,7 +227,13 @@ impl ImplicitSystem {
         report: &mut StepReport,
     ) -> Result<Vec<f64>, SolveError> {
         let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.solve(flow, rhs, &mut error)?;
+        let pairs = rhs.iter().zip(&self.is_fixed);
+        let free: Vec<f64> = pairs
+            .map(|(r, fixed)| if *fixed { 0.0 } else { *r })
+            .collect();
+        let matrix = flow.view(&self.values);
+        let solved = self.solver.solve_to(matrix, &free, &mut error, FILTERED)?;
+        report.iterations += solved.iterations;
         Ok(error)
     }
 

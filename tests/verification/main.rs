@@ -18,5 +18,8 @@ mod operators;
 mod patch;
 mod poroelastic;
 mod shares;
+mod shelf;
 mod theis;
 mod two_layer;
+mod uniform_flow;
+mod voids;

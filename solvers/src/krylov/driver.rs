@@ -15,6 +15,8 @@ const MAX_RESTARTS: usize = 3;
 const AIM: f64 = 0.5;
 /// Multiple of the rounding errors in b − A x below which no iteration can improve.
 const FLOOR_FACTOR: f64 = 10.0;
+/// Share of the residual that a run may leave when it breaks down and still be worth another one.
+const WELL: f64 = 0.5;
 /// A full basis that leaves more than this part of the residual is the last one.
 const STALLED: f64 = 0.999;
 
@@ -259,9 +261,10 @@ impl Krylov {
             }
         }
         progress.fault = match end {
-            End::Broken(cause) if cause != Cause::Orthogonal || gain.is_nan() || gain >= 1.0 => {
+            End::Broken(cause) if cause != Cause::Orthogonal || gain.is_nan() => {
                 Some(Fault::Broken(cause))
             }
+            End::Broken(_) if gain <= WELL => None,
             End::Full if gain <= STALLED => None,
             End::Full => Some(Fault::Full),
             _ if progress.restarts < MAX_RESTARTS => {
