@@ -17,7 +17,7 @@ use crate::plan::{
 };
 use crate::reference::{ErrorNorms, ExactDisplacement};
 use crate::report::{Balance, Counters};
-use crate::schemes::{SchemeCounters, State};
+use crate::schemes::{Rejection, SchemeCounters, State};
 
 /// Mass balance, relative to the turnover, that is worth a warning.
 const POOR_BALANCE: f64 = 1e-8;
@@ -35,6 +35,7 @@ impl<const D: usize> Run<'_, D> {
         wall: f64,
     ) -> Result<(Summary, State), RunError> {
         self.warn_of_imbalance();
+        self.warn_of_failed_solves();
         self.warn_of_overlap();
         self.tell_of_thinning();
         let model = &self.model;
@@ -150,6 +151,21 @@ impl<const D: usize> Run<'_, D> {
             self.observer.warn(&message);
             self.warnings.push(message);
         }
+    }
+
+    /// Steps that are shorter for the solver's sake are no property of the problem.
+    fn warn_of_failed_solves(&mut self) {
+        let failed = self.rejections.of(Rejection::Solver);
+        if failed == 0 {
+            return;
+        }
+        let message = format!(
+            "{failed} of {} tried steps were cut because the solver failed, not because of their error; \
+             another --solver may take longer steps",
+            self.steps + self.rejections.total()
+        );
+        self.observer.warn(&message);
+        self.warnings.push(message);
     }
 
     /// Faces that are pressed together go through each other: nothing stops them yet.
