@@ -174,33 +174,28 @@ impl<const D: usize> Model<D> {
     ) -> Option<Audit> {
         let solid = self.solid.as_ref()?;
         let External { loads, push, scale } = self.external(solid, time, pressure, walls);
+        let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
+        let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         if let Some(answer) = solid.answer(displacement, walls, history) {
-            let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
             solid.subtract_answer(&answer, &mut force);
-            let left: f64 = force.iter().map(|f| f.abs()).sum();
-            let held: f64 = solid.wall_forces(&answer).iter().map(|f| f.abs()).sum();
             let elastic = answer.energy(&answer.hourglass);
             let energy = elastic + self.stored_energy(pressure);
-            let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
-            let scale = size(&loads) + size(&push) + held;
             return Some(Audit {
-                unbalanced: left,
-                forces: scale,
+                unbalanced: size(&force),
+                forces: size(&loads) + size(&push) + size(&solid.wall_forces(&answer)),
                 energy,
                 potential: energy - dot(&loads, displacement),
                 elastic,
             });
         }
-        let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         let outer = dot(&force, displacement);
         solid.subtract_internal(displacement, walls, &mut force);
         // u·(K u + r w) is what the external forces do less what is left of them.
         let inner = outer - dot(&force, displacement);
         let elastic = 0.5 * (inner + solid.wall_work(displacement, walls));
         let energy = elastic + self.stored_energy(pressure);
-        let left: f64 = force.iter().map(|f| f.abs()).sum();
         Some(Audit {
-            unbalanced: left,
+            unbalanced: size(&force),
             forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
