@@ -193,9 +193,16 @@ impl Planned {
             | ModelError::CrackAtBoundary { name, .. } => {
                 scene.cracks.get(name).map(scene::Crack::span)
             }
-            ModelError::EmptyRegion { material: name } => {
+            ModelError::EmptyRegion { material: name }
+            | ModelError::CoveredRegion { material: name }
+            | ModelError::UnusedRegion { material: name } => {
                 material(name)?.region.as_ref().map(|region| region.span)
             }
+            ModelError::EmptyBand { name } => scene.cracks.get(name).map(scene::Crack::span),
+            ModelError::ProbeOffPoints { what, name, .. } => match *what {
+                "output.probes" => Some(scene.output.probes.get(name)?.at.span),
+                _ => Some(scene.output.profiles.get(name)?.from.span),
+            },
             ModelError::EmptyPressureRegion { number } => scene
                 .flow
                 .as_ref()?

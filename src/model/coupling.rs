@@ -178,14 +178,17 @@ impl<const D: usize> Model<D> {
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         if let Some(answer) = solid.answer(displacement, walls, history) {
             solid.subtract_answer(&answer, &mut force);
+            let held = solid.wall_forces(&answer);
             let elastic = answer.energy(&answer.hourglass);
             let energy = elastic + self.stored_energy(pressure);
             return Some(Audit {
                 unbalanced: size(&force),
-                forces: size(&loads) + size(&push) + size(&solid.wall_forces(&answer)),
+                forces: size(&loads) + size(&push) + size(&held),
                 energy,
                 potential: energy - dot(&loads, displacement),
                 elastic,
+                loads,
+                held,
             });
         }
         let outer = dot(&force, displacement);
@@ -194,12 +197,15 @@ impl<const D: usize> Model<D> {
         let inner = outer - dot(&force, displacement);
         let elastic = 0.5 * (inner + solid.wall_work(displacement, walls));
         let energy = elastic + self.stored_energy(pressure);
+        let pore = self.coupling.as_ref().map_or(&[][..], |_| pressure);
         Some(Audit {
             unbalanced: size(&force),
             forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
             elastic,
+            held: solid.internal_wall_force(displacement, walls, pore),
+            loads,
         })
     }
 
@@ -221,7 +227,7 @@ struct External {
 }
 
 /// Balance of forces and energies of a state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Audit {
     /// Forces out of balance, Σ of their absolute values, N.
     pub unbalanced: f64,
@@ -233,4 +239,8 @@ pub struct Audit {
     pub potential: f64,
     /// Elastic energy, J, without that of the fluid.
     pub elastic: f64,
+    /// Loads on the displacement, N, shape `(n·D,)`.
+    pub loads: Vec<f64>,
+    /// Forces that hold the walls, N.
+    pub held: Vec<f64>,
 }

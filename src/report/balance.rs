@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::motion::{Moment, Motion};
+use super::supply::{Ledger, Supply};
 
 /// Cumulative volumes over a run in m^D; rates in m^D/s for a steady state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -28,6 +29,9 @@ pub struct Balance {
     /// Balances of a body with inertia.
     #[serde(skip)]
     pub motion: Motion,
+    /// Energy of a body without.
+    #[serde(skip)]
+    pub ledger: Ledger,
     /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|, or a hundredth of the largest so far; with
     /// inertia over the largest so far, what accelerates the solid included; with mechanics.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,7 +48,9 @@ pub struct Balance {
     /// Work of loads, fluid and walls on the solid since the start, J; with inertia.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work: Option<f64>,
-    /// |kinetic + elastic energy − work − both at the start| over the largest energy so far; with inertia.
+    /// Energy from nowhere over all that was supplied or stored so far. With inertia
+    /// |kinetic + elastic energy − work − both at the start| over the largest energy so far; not measured where
+    /// fluid flows in fractures, whose storage changes with what breaks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error: Option<f64>,
 }
@@ -110,6 +116,14 @@ impl Balance {
         self.work = Some(found.work);
         self.energy_error = Some(found.energy);
         found.unexplained
+    }
+
+    /// Enters the state of a body without inertia; gives the energy from nowhere over all that was supplied
+    /// or stored.
+    pub fn balance_supply(&mut self, now: Supply) -> f64 {
+        let made = self.ledger.follow(now);
+        self.energy_error = Some(made);
+        made
     }
 
     /// Enters the forces out of balance and all forces, N. Once loads have ended, what they leave is

@@ -1,9 +1,11 @@
 //! The audit of a step: what it does to the balances, against the limits of the plan.
 
+use perifrac_solvers::dot;
+
 use super::time_loop::Run;
-use crate::model::Model;
+use crate::model::{Audit, Model};
 use crate::plan::TimeMode;
-use crate::report::{Balance, Moment};
+use crate::report::{Balance, Moment, Supply};
 use crate::schemes::{Conserved, State, StepError, StepReport};
 
 /// Fluid that rounding may lose, relative to all that the pores hold: the sums of a million steps over a
@@ -66,14 +68,17 @@ impl<const D: usize> Run<'_, D> {
             ..
         } = state;
         let audit = (self.model).audit(*time, pressure, displacement, walls, history);
-        balance.energy = audit.map(|audit| audit.energy);
-        balance.potential = audit.map(|audit| audit.potential);
+        balance.energy = audit.as_ref().map(|audit| audit.energy);
+        balance.potential = audit.as_ref().map(|audit| audit.potential);
         let Some(audit) = audit else { return 0.0 };
         match moment(&self.model, state, audit.elastic) {
             Some(now) => balance.balance_motion(now),
             None => {
                 balance.balance_forces(audit.unbalanced, audit.forces);
-                0.0
+                match self.plan.fracture_flow {
+                    None => balance.balance_supply(supply(&self.model, state, audit)),
+                    Some(_) => 0.0,
+                }
             }
         }
     }
@@ -116,6 +121,42 @@ fn moment<const D: usize>(model: &Model<D>, state: &State, elastic: f64) -> Opti
         held: solid.internal_wall_force(&state.displacement, &state.walls, &[]),
         elastic,
     })
+}
+
+/// What the balance of energy needs of a body without inertia.
+fn supply<const D: usize>(model: &Model<D>, state: &State, audit: Audit) -> Supply {
+    let mut supply = Supply {
+        time: state.time,
+        energy: audit.energy,
+        loads: audit.loads,
+        displacement: state.displacement.clone(),
+        held: audit.held,
+        walls: state.walls.clone(),
+        ..Supply::default()
+    };
+    let Some(flow) = &model.flow else {
+        return supply;
+    };
+    let (time, pressure) = (state.time, &state.pressure);
+    let mut rate = vec![0.0; pressure.len()];
+    flow.rate(time, &mut rate);
+    let sides = flow.walls.iter();
+    let sides = sides.map(|wall| -wall.pressure.at(time) * wall.outflow(time, pressure).0);
+    supply.inflow = dot(&rate, pressure) + sides.sum::<f64>();
+    if !flow.fixed.is_empty() {
+        let content = model.content(&state.displacement, &state.walls);
+        flow.imbalance(time, pressure, &mut rate);
+        let fixed = flow.fixed.iter().map(|fixed| {
+            let i = fixed.point;
+            [
+                pressure[i],
+                flow.capacity[i] * pressure[i] + content[i],
+                rate[i],
+            ]
+        });
+        supply.fixed = fixed.collect();
+    }
+    supply
 }
 
 /// What the pores hold under pressure and by strain, in absolute amounts, m^D.

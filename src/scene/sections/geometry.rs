@@ -111,8 +111,12 @@ pub struct Refinement {
 pub struct PointFile {
     /// A `.csv` or `.vtu` file, relative to the scene file.
     pub path: Spanned<String>,
-    /// Corners of the domain.
+    /// Corners of the domain. Points are cell centres, half a cell inside; parts without points are
+    /// voids with free surfaces, where nothing pushes and nothing flows through.
     pub bounds: Option<FileBounds>,
+    /// Accepts volumes that do not fit the bounds or the distances between the points.
+    #[serde(default)]
+    pub any_volume: bool,
 }
 
 /// Corners of a domain whose points come from a file.
