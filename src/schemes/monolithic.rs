@@ -149,7 +149,7 @@ impl Monolithic {
         let mut push = vec![0.0; x.displacement.len()];
         coupling.add_push(solid, &x.pressure, &mut push);
         let scale = |values: &[f64]| values.iter().map(|v| v.abs()).sum::<f64>();
-        let force_scale = scale(&known.force) + scale(&push);
+        let driven = scale(&known.force) + scale(&push) + scale(&known.plates);
         let mut force: Vec<f64> = known.force.iter().zip(&push).map(|(f, p)| f + p).collect();
         solid.subtract_internal(&x.displacement, &x.walls, &mut force);
         let content = model.content(&x.displacement, &x.walls);
@@ -167,7 +167,6 @@ impl Monolithic {
             }
         }
         let plates = plate_forces(solid, known, x);
-        let driven = force_scale + scale(&known.plates);
         let unbalanced = scale(&force) + scale(&plates);
         let lost = share(scale(&left), flow_scale);
         Ok(Defect {
