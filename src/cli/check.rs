@@ -1,11 +1,8 @@
 //! `perifrac check`.
 
-use crate::model::{Model, ModelError, sample};
-use crate::plan::Plan;
-use crate::report::Timers;
-
 use super::common::SceneArgs;
 use super::exit::{Failure, print, warn};
+use super::memory;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
@@ -14,29 +11,25 @@ pub struct Args {
     scene: SceneArgs,
 }
 
-/// Checks a scene: its text, its files, its regions, horizon and wells against its points.
+/// Checks a scene: its text, its files, its regions, horizon and wells against its points, and whether
+/// its scheme can run it. What is too large to be built in about a second is judged by estimates.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let planned = args.scene.plan()?;
-    let built = match planned.plan.dimension {
-        2 => build::<2>(&planned.plan),
-        _ => build::<3>(&planned.plan),
-    };
-    let (points, warnings) = built.map_err(|error| planned.locate(&error))?;
-    planned
-        .plan
+    let examined = planned.examine()?;
+    let explanation = &examined.explanation;
+    explanation
         .warnings
         .iter()
-        .chain(&warnings)
         .for_each(|warning| warn(warning));
+    memory::shortage(&explanation.memory, None)
+        .iter()
+        .for_each(|shortage| warn(shortage));
+    let how = match examined.built {
+        true => "",
+        false => ", by estimates: regions, wells and cracks meet the points only in the run",
+    };
     print(&format!(
-        "{}: no faults found ({points} points)",
-        planned.plan.case
+        "{}: no faults found ({} points{how})",
+        planned.plan.case, explanation.points
     ))
-}
-
-/// Builds all that a run would build; the sample comes first because it fails fast.
-fn build<const D: usize>(plan: &Plan) -> Result<(usize, Vec<String>), ModelError> {
-    sample::<D>(plan)?;
-    let model = Model::<D>::build(plan, &mut Timers::default())?;
-    Ok((model.cloud.len(), model.warnings))
 }

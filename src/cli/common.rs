@@ -4,9 +4,11 @@ use std::path::Path;
 
 use crate::cases;
 use crate::effects::EffectError;
+use crate::explain::{Explanation, explain};
 use crate::geometry::GeometryError;
 use crate::model::ModelError;
-use crate::plan::{Plan, resolve};
+use crate::plan::{FileError, Plan, resolve};
+use crate::run::{Examined, RunError, examine};
 use crate::scene::{self, Diagnostic, LoadedScene, Span};
 
 use super::exit::Failure;
@@ -73,7 +75,10 @@ impl SceneArgs {
                 )
             }
             None if path.exists() || looks_like_path(&self.scene) => {
-                (case_name(path), scene::load_file(path, &overrides)?)
+                let loaded = scene::load_file(path, &overrides)?;
+                // What changes another file is named after the case, as a bundled variant is.
+                let is_variant = Path::new(loaded.sources.name()) != path;
+                (case_name(path, is_variant), loaded)
             }
             None => return Err(unknown_case(&self.scene)),
         };
@@ -108,26 +113,53 @@ fn unknown_case(name: &str) -> Failure {
     ))
 }
 
-/// Name of a case from its path: the file's, or its folder's for a file called scene.toml.
-fn case_name(path: &Path) -> String {
-    let stem = path
-        .file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned());
-    match stem.as_deref() {
-        Some("scene") => std::path::absolute(path)
-            .ok()
-            .and_then(|path| {
-                path.parent()?
-                    .file_name()
-                    .map(|n| n.to_string_lossy().into_owned())
-            })
-            .unwrap_or_else(|| "scene".to_owned()),
-        Some(stem) => stem.to_owned(),
-        None => "scene".to_owned(),
+/// Name of a case from its path: the file's, its folder's for a file called scene.toml, and both for a
+/// variant, which is a file that changes another.
+fn case_name(path: &Path, is_variant: bool) -> String {
+    let text = |name: &std::ffi::OsStr| name.to_string_lossy().into_owned();
+    let stem = path.file_stem().map_or("scene".to_owned(), text);
+    let whole = std::path::absolute(path).ok();
+    let folder = whole.and_then(|path| path.parent()?.file_name().map(text));
+    match folder {
+        Some(folder) if is_variant => format!("{folder}-{stem}"),
+        Some(folder) if stem == "scene" => folder,
+        _ => stem,
     }
 }
 
 impl Planned {
+    /// What the plan will do and cost.
+    ///
+    /// # Errors
+    /// [`Failure::Scene`] for what a run would refuse at its start and estimates can tell.
+    pub fn explain(&self) -> Result<Explanation, Failure> {
+        let explained = match self.plan.dimension {
+            2 => explain::<2>(&self.plan),
+            _ => explain::<3>(&self.plan),
+        };
+        explained.map_err(|error| self.locate(&error))
+    }
+
+    /// What the plan will do and cost, with model and scheme built where that is quick.
+    ///
+    /// # Errors
+    /// [`Failure`] for what a run would refuse at its start.
+    pub fn examine(&self) -> Result<Examined, Failure> {
+        let examined = match self.plan.dimension {
+            2 => examine::<2>(&self.plan),
+            _ => examine::<3>(&self.plan),
+        };
+        examined.map_err(|error| self.failure(error))
+    }
+
+    /// An error of a run, underlined in the scene where it has a place there.
+    pub fn failure(&self, error: RunError) -> Failure {
+        match error {
+            RunError::Model(error) => self.locate(&error),
+            other => other.into(),
+        }
+    }
+
     /// An error of the model, underlined in the scene where it has a place there.
     pub fn locate(&self, error: &ModelError) -> Failure {
         let diagnostic = Diagnostic::new(error.to_string());
@@ -175,12 +207,14 @@ impl Planned {
                 .regions
                 .get(number - 1)
                 .map(|region| region.region.span),
-            ModelError::TableLength { path, .. } => {
+            ModelError::Table(FileError::Length { path, .. }) => {
                 scene
                     .materials
                     .iter()
                     .find_map(|entry| match entry.value.permeability.as_deref() {
-                        Some(scene::PermeabilityField::File(file)) if file.file.value == *path => {
+                        Some(scene::PermeabilityField::File(file))
+                            if Path::new(&file.file.value) == path =>
+                        {
                             Some(file.file.span)
                         }
                         _ => None,

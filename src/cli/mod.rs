@@ -4,6 +4,9 @@ mod cases;
 mod check;
 mod common;
 mod exit;
+mod interrupt;
+mod label;
+mod memory;
 mod plan;
 mod processes;
 mod progress;
@@ -12,6 +15,7 @@ mod run;
 mod schema;
 mod solvers;
 mod study;
+mod threads;
 
 use std::process::ExitCode;
 
@@ -23,8 +27,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 #[command(
     after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
                         Precedence: defaults < scene < --set < the other flags.\n\
-                        Exit codes: 0 done, 1 run failed, 2 usage, 3 scene, 4 not converged, \
-                        130 interrupted."
+                        Exit codes: 0 done, 1 run failed, 2 usage or PETSc not usable, 3 scene, \
+                        4 not converged, 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -58,7 +62,14 @@ enum Verb {
 
 /// Runs the program; the exit code tells how it went.
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().verb {
+    interrupt::keep_hangups_ignored();
+    let verb = Cli::parse().verb;
+    let result = threads::check_environment().and_then(|()| act(verb));
+    processes::Processes::started().leave(&result)
+}
+
+fn act(verb: Verb) -> Result<(), exit::Failure> {
+    match verb {
         Verb::Run(args) => run::run(&args),
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
@@ -72,6 +83,5 @@ pub fn main() -> ExitCode {
             clap_complete::generate(shell, &mut Cli::command(), "perifrac", &mut script);
             exit::print(&String::from_utf8_lossy(&script))
         }
-    };
-    processes::Processes::started().leave(&result)
+    }
 }

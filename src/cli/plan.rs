@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
-use crate::explain::explain;
 use crate::study::{self, Campaign, Options};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print};
-use super::study::{interruption, subject};
+use super::interrupt::handled;
+use super::memory;
+use super::study::subject;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -29,11 +30,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return forecast(args, error);
     }
     let planned = args.scene.plan()?;
-    let explanation = match planned.plan.dimension {
-        2 => explain::<2>(&planned.plan),
-        _ => explain::<3>(&planned.plan),
-    };
-    let explanation = explanation.map_err(|error| planned.locate(&error))?;
+    let mut explanation = planned.examine()?.explanation;
+    let shortage = memory::shortage(&explanation.memory, None);
+    explanation.warnings.extend(shortage);
     if args.json {
         return print(&serde_json::to_string_pretty(&explanation).unwrap_or_default());
     }
@@ -52,10 +51,10 @@ fn forecast(args: &Args, error: f64) -> Result<(), Failure> {
     };
     let variants = study::calibration(&subject, &options)?;
     let folder = tempfile::tempdir().map_err(study::StudyError::Program)?;
-    let interrupt = interruption();
+    let interrupt = handled();
     let mut campaign = Campaign::new(&subject, folder.path(), 1, CALIBRATION, &interrupt)?;
     let (mut runs, _) = campaign.run(&variants, &mut ())?;
-    if interrupt.load(std::sync::atomic::Ordering::Relaxed) {
+    if interrupt.is_raised() {
         return Err(Failure::Interrupted("during the calibration".to_owned()));
     }
     study::compare_costs(&mut runs);

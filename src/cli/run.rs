@@ -1,28 +1,33 @@
 //! `perifrac run`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::output::OutputError;
-use crate::run::{RunError, Summary, Writer, run_with};
+use crate::run::{Summary, Writer, run_with};
 
-use super::common::{Planned, SceneArgs};
-use super::exit::{Failure, print};
+use super::common::SceneArgs;
+use super::exit::{Failure, print, tell_of_kept};
+use super::interrupt::handled;
+use super::label::label;
 use super::processes::Processes;
 use super::progress::Console;
+use super::{memory, threads};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Folder for the results [default: out/CASE]
+    /// Folder for the results; the next run there removes what this one writes and nothing else
+    /// [default: out/CASE, followed by +SCHEME, +SOLVER and +KEY=VALUE as given]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Number of threads of each process [default: all processors, shared out]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    /// Memory that the run may need, such as 8GiB [default: what is free]
+    #[arg(long, value_name = "SIZE", value_parser = memory::size)]
+    memory: Option<u64>,
     /// Print the summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -35,11 +40,12 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let processes = Processes::started();
     let planned = args.scene.plan()?;
-    set_threads(args.threads, processes.threads())?;
+    threads::set(args.threads, processes.threads())?;
+    memory::check(&planned.explain()?.memory, args.memory)?;
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
+        .unwrap_or_else(|| default_folder(&args.scene, &planned.plan.case));
     check_folder(&folder)?;
     let team = processes.team()?;
     let resolved = planned.loaded.resolved_toml();
@@ -47,10 +53,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         true => Writer::create(&folder, &resolved)?,
         false => Writer::follow(&folder, &resolved),
     };
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = interrupt.clone();
-    // Without a handler the run is simply ended at once, as before.
-    let _ = ctrlc::set_handler(move || interrupted(&flag));
+    let interrupt = handled();
     let mut console = Console::new(args.quiet || !processes.leads());
     let (plan, team, writer_of) = (&planned.plan, team.as_ref(), Some(&mut writer));
     let result = match plan.dimension {
@@ -58,7 +61,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => run_with::<3>(plan, team, writer_of, &mut console, &interrupt),
     };
     console.finish();
-    let (summary, _) = result.map_err(|error| failure(&planned, error))?;
+    tell_of_kept(&writer.kept());
+    let (summary, _) = result.map_err(|error| planned.failure(error))?;
     if !processes.leads() {
         return Ok(());
     }
@@ -76,11 +80,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     ))
 }
 
-/// The first interruption ends the run after its step; the second, should a step take long, at once.
-fn interrupted(flag: &AtomicBool) {
-    if flag.swap(true, Ordering::Relaxed) {
-        std::process::exit(130);
-    }
+/// A folder of its own for every variant of a case.
+fn default_folder(scene: &SceneArgs, case: &str) -> PathBuf {
+    PathBuf::from("out").join(format!("{case}{}", label(scene)))
 }
 
 /// Refuses a folder whose place, or the way to it, is taken by a file.
@@ -95,26 +97,6 @@ fn check_folder(folder: &Path) -> Result<(), Failure> {
         }
         .into()),
     }
-}
-
-fn failure(planned: &Planned, error: RunError) -> Failure {
-    match error {
-        RunError::Model(error) => planned.locate(&error),
-        other => other.into(),
-    }
-}
-
-fn set_threads(wish: Option<usize>, default: Option<usize>) -> Result<(), Failure> {
-    let Some(threads) = wish.or(default) else {
-        return Ok(());
-    };
-    if threads == 0 {
-        return Err(Failure::Usage("--threads must be at least 1".to_owned()));
-    }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global();
-    pool.map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))
 }
 
 fn describe(summary: &Summary) -> String {
@@ -158,10 +140,14 @@ fn describe_mechanics(summary: &Summary) -> String {
         }
         text.push('\n');
     }
-    // With inertia the rest of the forces is what accelerates the solid.
-    let moving = summary.counters.field_bytes.contains_key("velocity");
-    if let (Some(momentum), false) = (summary.balance.momentum, moving) {
+    let balance = &summary.balance;
+    if let Some(momentum) = balance.momentum {
         text += &format!("  forces out of balance: {momentum:.1e} of all forces\n");
+    }
+    if let (Some(kinetic), Some(error)) = (balance.kinetic, balance.energy_error) {
+        text += &format!(
+            "  kinetic energy: {kinetic:.3e} J, energy out of balance: {error:.1e} of the largest so far\n"
+        );
     }
     text
 }
@@ -169,6 +155,7 @@ fn describe_mechanics(summary: &Summary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::Interrupt;
     use crate::{cases, plan, scene};
 
     fn described(case: &str, overrides: &[&str]) -> String {
@@ -176,7 +163,7 @@ mod tests {
         let text = cases::find(case).unwrap().scene;
         let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
         let plan = plan::resolve(&loaded, case).unwrap();
-        let summary = run_with::<2>(&plan, None, None, &mut (), &AtomicBool::new(false));
+        let summary = run_with::<2>(&plan, None, None, &mut (), &Interrupt::default());
         describe(&summary.unwrap().0)
     }
 

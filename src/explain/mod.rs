@@ -11,6 +11,8 @@ mod text;
 
 use serde::Serialize;
 
+pub use text::bytes;
+
 use crate::model::{Model, ModelError, Sample, sample};
 use crate::plan::{Plan, damage_width, width_warning};
 use crate::report::Timers;
@@ -27,6 +29,8 @@ pub struct Explanation {
     pub dimension: usize,
     /// Number of points.
     pub points: usize,
+    /// Whether the cloud is too large to be made here, so that a small one like it was sampled.
+    pub estimated: bool,
     /// Number of unknowns of all fields.
     pub unknowns: usize,
     /// Smallest and largest spacing, m.
@@ -151,6 +155,7 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         title: plan.title.clone(),
         dimension: D,
         points: sample.points,
+        estimated: sample.estimated,
         unknowns: fields * sample.points,
         spacing: sample.spacing,
         horizon: sample.horizon,

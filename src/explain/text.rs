@@ -9,11 +9,16 @@ impl fmt::Display for Explanation {
         writeln!(f, "{}: {}", self.case, self.title)?;
         writeln!(
             f,
-            "  cloud      {} points in {}-D, Δx {}, δ {}",
+            "  cloud      {} points in {}-D, Δx {}, δ {}{}",
             grouped(self.points as u64),
             self.dimension,
             range(self.spacing, "m"),
-            range(self.horizon, "m")
+            range(self.horizon, "m"),
+            if self.estimated {
+                " (estimated from a small cloud like it)"
+            } else {
+                ""
+            }
         )?;
         let materials: Vec<String> = self
             .materials
@@ -131,7 +136,8 @@ fn grouped(number: u64) -> String {
     groups.join(" ")
 }
 
-fn bytes(count: u64) -> String {
+/// A size for people: `1.20 GB`, `3.4 MB`, `5 kB`.
+pub fn bytes(count: u64) -> String {
     let count = count as f64;
     match count {
         c if c >= 1e9 => format!("{:.2} GB", c / 1e9),

@@ -3,6 +3,7 @@
 use crate::assembly::{ConsistencyError, PatternError};
 use crate::effects::EffectError;
 use crate::geometry::{GenerateError, GeometryError};
+use crate::plan::FileError;
 
 /// A plan that cannot become a model.
 #[derive(Debug, thiserror::Error)]
@@ -125,19 +126,9 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
-    /// A permeability file of another length than the cloud.
-    #[error(
-        "{path}: {found} permeabilities for {points} points; the file needs one value per point, in \
-         the order of the cloud (x fastest on a lattice)"
-    )]
-    TableLength {
-        /// The file.
-        path: String,
-        /// Values found.
-        found: usize,
-        /// Points of the cloud.
-        points: usize,
-    },
+    /// A permeability file that does not fit the cloud.
+    #[error(transparent)]
+    Table(#[from] FileError),
     /// An effect does not fit.
     #[error(transparent)]
     Effect(#[from] EffectError),

@@ -3,7 +3,7 @@
 use crate::geometry::Cloud;
 use crate::material::log_normal;
 use crate::operators::Lame;
-use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable};
+use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable, check_length};
 
 use super::ModelError;
 
@@ -40,6 +40,37 @@ pub fn assign<const D: usize>(
         Some(names) => by_name(plan, names)?,
         None => by_region(plan, cloud)?,
     };
+    assigned(plan, cloud, table, material)
+}
+
+/// Gives the points of a cloud that stands for a finer one materials and properties: regions that it is
+/// too coarse for are left out, and gaps between regions get the first material.
+///
+/// # Errors
+/// [`ModelError::MissingProperty`].
+pub fn assign_roughly<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+) -> Result<Properties, ModelError> {
+    let background = plan.materials.iter().position(|m| m.region.is_none());
+    let material = |x: &crate::geometry::Vector<D>| {
+        let holds = |own: &MaterialPlan| match &own.region {
+            Some(region) => region.contains(x.as_slice()),
+            None => false,
+        };
+        let last = plan.materials.iter().rposition(holds);
+        last.or(background).unwrap_or(0) as u16
+    };
+    let material = cloud.position.iter().map(material).collect();
+    assigned(plan, cloud, None, material)
+}
+
+fn assigned<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+    table: Option<&PointTable>,
+    material: Vec<u16>,
+) -> Result<Properties, ModelError> {
     let mut permeability = match plan.flow {
         Some(_) => permeabilities(plan, cloud, &material)?,
         None => Vec::new(),
@@ -167,23 +198,25 @@ fn permeabilities<const D: usize>(
     material: &[u16],
 ) -> Result<Vec<f64>, ModelError> {
     let mut permeability = vec![0.0; cloud.len()];
-    for (number, plan) in plan.materials.iter().enumerate() {
+    for (number, own) in plan.materials.iter().enumerate() {
         // Without flow there is none, and none is read.
-        let Some(field) = &plan.permeability else {
+        let Some(field) = &own.permeability else {
             continue;
         };
         let values = match field {
             PermeabilityPlan::Uniform(value) => vec![*value; cloud.len()],
             PermeabilityPlan::Table { path, values } => {
-                if values.len() != cloud.len() {
-                    let (path, found) = (path.clone(), values.len());
-                    return Err(ModelError::TableLength {
-                        path,
-                        found,
-                        points: cloud.len(),
-                    });
+                // A table of a finer cloud, whose own length has been checked, is thinned.
+                let points = cloud.len();
+                match plan.geometry.count() {
+                    Some(count) if count != points => (0..points)
+                        .map(|i| values[i * values.len() / points])
+                        .collect(),
+                    _ => {
+                        check_length(path, values.len(), points)?;
+                        values.clone()
+                    }
                 }
-                values.clone()
             }
             PermeabilityPlan::LogNormal {
                 median,

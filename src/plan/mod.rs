@@ -9,14 +9,14 @@ mod width;
 
 pub use crate::load::Load;
 pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
-pub use files::{FileError, PointTable};
+pub use files::{FileError, PointTable, check_length};
 pub use resolve::resolve;
 pub use types::{
-    Acceleration, ApertureRule, CouplingPlan, CrackKind, CrackPlace, CrackPlan, DamageMethod,
-    DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan, GradientChoice,
-    GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan,
-    OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile, ReferenceKind,
-    ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition, SolidMethod,
-    StepRule, Support, TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
+    Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
+    DamageMethod, DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,
+    GradientChoice, GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan,
+    MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
+    ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition,
+    SolidMethod, StepRule, Support, TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
 };
 pub use width::{damage_width, width_warning};

@@ -1,18 +1,26 @@
 //! One run: build the model, step to the end, write what was asked for.
 
+mod audit;
 mod columns;
 mod crack_length;
 mod error;
+mod examine;
 mod finish;
 mod fracture;
+mod rejections;
+mod scale;
 mod stops;
+mod suction;
 mod summary;
 mod time_loop;
 mod writer;
 
 pub use columns::openings;
 pub use error::RunError;
+pub use examine::{Examined, examine};
 pub use fracture::Results;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};
 pub use writer::Writer;
+
+pub use perifrac_solvers::Interrupt;

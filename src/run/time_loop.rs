@@ -1,13 +1,13 @@
 //! The time loop.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use perifrac_solvers::Team;
+use perifrac_solvers::{Interrupt, Team};
 
-use super::finish::extremes;
 use super::fracture::{Fractures, Tracker};
+use super::rejections::Rejections;
+use super::scale::Scale;
 use super::stops::{Stops, clamp};
 use super::{RunError, Summary, TimedErrors, Writer};
 use crate::model::Model;
@@ -34,6 +34,8 @@ pub struct Progress {
     pub rejected: u64,
     /// Iterations of the linear solver in the last step.
     pub iterations: usize,
+    /// Passes between the fields in the last step, and what the last of them left, relative to its scale.
+    pub passes: Option<(usize, f64)>,
     /// Energy of Eq. 73 less the work of the loads, J; with mechanics.
     pub potential: Option<f64>,
 }
@@ -56,7 +58,7 @@ pub fn run<const D: usize>(
     plan: &Plan,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     run_with::<D>(plan, None, writer, observer, interrupt)
 }
@@ -71,10 +73,11 @@ pub fn run_with<const D: usize>(
     team: Option<&Arc<dyn Team>>,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     let started = Instant::now();
     let mut timers = Timers::default();
+    timers.begin("other");
     let model = Model::<D>::build_with(plan, team, &mut timers)?;
     let warnings: Vec<String> = plan
         .warnings
@@ -93,22 +96,23 @@ pub fn run_with<const D: usize>(
         timers,
         warnings,
         start_volume: 0.0,
-        taken_up: 0.0,
         balance: Balance::default(),
         state,
         scheme_name: String::new(),
         steps: 0,
-        rejected: 0,
+        rejections: Rejections::default(),
         last_output: None,
         timed_errors: Vec::new(),
-        tracker: Tracker::new(plan),
+        tracker: Tracker::default(),
         drawn: 0.0,
+        pressed: Some(0.0),
+        aside: SchemeCounters::default(),
     };
-    run.start_volume = run.stored();
-    let effort = match plan.time.mode {
-        TimeMode::Steady => run.steady()?,
-        TimeMode::Transient => run.transient()?,
-    };
+    run.start_volume = run.stored(&run.state);
+    let effort = interrupt.during(|| match plan.time.mode {
+        TimeMode::Steady => run.steady(),
+        TimeMode::Transient => run.transient(),
+    })?;
     let wall = started.elapsed().as_secs_f64();
     run.finish(effort, wall)
 }
@@ -126,26 +130,32 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) model: Model<D>,
     pub(super) writer: Option<&'a mut Writer>,
     pub(super) observer: &'a mut dyn Observer,
-    pub(super) interrupt: &'a AtomicBool,
+    pub(super) interrupt: &'a Interrupt,
     pub(super) timers: Timers,
     pub(super) warnings: Vec<String>,
     pub(super) start_volume: f64,
-    /// What the pores took up, where that is no function of the state, m^D.
-    pub(super) taken_up: f64,
     pub(super) balance: Balance,
     pub(super) state: State,
     pub(super) scheme_name: String,
     pub(super) steps: u64,
-    pub(super) rejected: u64,
+    pub(super) rejections: Rejections,
     pub(super) last_output: Option<f64>,
     pub(super) timed_errors: Vec<TimedErrors>,
     pub(super) tracker: Tracker,
     /// Length of the cracks at the last output that their growth asked for, m.
     pub(super) drawn: f64,
+    /// Largest pressure so far, in absolute amount, Pa; `None` once one below zero was reported.
+    pub(super) pressed: Option<f64>,
+    /// Work beside that of the scheme: the step that finds the range.
+    aside: SchemeCounters,
 }
 
 impl<const D: usize> Run<'_, D> {
     fn failed(&self, source: StepError) -> RunError {
+        if source.is_interruption() {
+            let time = self.state.time;
+            return RunError::Interrupted { time };
+        }
         RunError::Step {
             scheme: self.scheme_name.clone(),
             source,
@@ -158,16 +168,24 @@ impl<const D: usize> Run<'_, D> {
         if self.is_interrupted() {
             return Err(RunError::Interrupted { time: 0.0 });
         }
-        let start = Instant::now();
-        let solved = self.steady_state();
-        self.timers.add("solve", start.elapsed().as_secs_f64());
+        let timers = self.timers.clone();
+        let solved = timers.time("solve", || self.steady_state());
         let (report, counters, solver) = solved.map_err(|error| self.failed(error))?;
-        self.balance.add(&report.flows);
-        self.balance.close(0.0);
-        self.start_history()?;
-        self.write_history(0.0, &report)?;
-        self.write_fields()?;
+        let rates = StepReport {
+            stored: Some(0.0),
+            ..report.clone()
+        };
+        let balanced = self.audit(&rates, &self.state);
+        self.balance = balanced.map_err(|error| self.failed(error))?;
+        timers.time("output", || self.first_output(&report))?;
         Ok((counters, solver, None))
+    }
+
+    fn first_output(&mut self, report: &StepReport) -> Result<(), RunError> {
+        self.start_history()?;
+        self.write_history(0.0, report)?;
+        self.drawn = self.tracker.results.crack_length;
+        self.write_fields()
     }
 
     /// The drained state: flow first, then the solid under its pressure.
@@ -202,84 +220,94 @@ impl<const D: usize> Run<'_, D> {
     fn transient(&mut self) -> Result<Effort, RunError> {
         let plan = self.plan;
         self.scheme_name = plan.scheme.name().to_owned();
-        let built = schemes::build(plan, &self.model);
+        let timers = self.timers.clone();
+        let built = timers.time("scheme", || schemes::build(plan, &self.model));
         let mut scheme = built.map_err(|error| self.failed(error))?;
         self.scheme_name = scheme.name().to_owned();
-        let start = Instant::now();
-        let started = scheme.start(&mut self.model, &mut self.state);
-        self.timers.add("start", start.elapsed().as_secs_f64());
+        let started = timers.time("start", || scheme.start(&mut self.model, &mut self.state));
         started.map_err(|error| self.failed(error))?;
         // The start moves no fluid, but for what points of prescribed pressure take in.
-        self.start_volume = self.stored();
-        let scale = self.expected_range().map_err(|error| self.failed(error))?;
+        self.start_volume = self.stored(&self.state);
+        let scale = timers.time("range", || self.scale());
+        let mut scale = scale.map_err(|error| self.failed(error))?;
         let mut control = self.control(&*scheme);
         let mut stops = Stops::new(plan, &self.model.breakpoints());
-        self.start_history()?;
-        self.write_history(0.0, &StepReport::default())?;
-        self.drawn = self.tracker.results.crack_length;
-        self.write_fields()?;
-        let mut range = scale.max(self.range());
+        let balanced = self.audit(&StepReport::default(), &self.state);
+        self.balance = balanced.map_err(|error| self.failed(error))?;
+        timers.time("output", || self.first_output(&StepReport::default()))?;
         let mut trial = self.state.clone();
         while let Some(stop) = stops.next() {
             self.check_limits()?;
             let allowed = self.allowed(&*scheme).min(control.dt());
             let dt = clamp(allowed, stop.time - self.state.time);
-            let start = Instant::now();
-            let outcome = scheme.step(&mut self.model, &self.state, dt, &mut trial);
-            self.timers.add("steps", start.elapsed().as_secs_f64());
-            let report = match outcome {
-                Ok(report) => report,
+            let step = || scheme.step(&mut self.model, &self.state, dt, &mut trial);
+            let outcome = timers.time("steps", step);
+            let audit = |report| Ok((self.audit(&report, &trial)?, report));
+            let audited = outcome.and_then(|report| timers.time("audit", || audit(report)));
+            let (balance, report) = match audited {
+                Ok(sound) => sound,
                 Err(error) => {
-                    self.rejected += 1;
+                    if error.is_interruption() {
+                        // The state before the step stands, and is written.
+                        self.check_limits()?;
+                    }
+                    self.rejections.count(error.reason());
                     if error.is_final() || !control.cut(dt, SMALLEST * plan.time.end) {
                         return Err(self.failed(error));
                     }
                     continue;
                 }
             };
-            let relative = report
-                .error
-                .map(|error| if range > 0.0 { error / range } else { 0.0 });
-            let relative = self.judged(relative, &report, dt);
-            if !control.judge(relative, dt) {
-                self.rejected += 1;
-                let smallest = TINIEST * plan.time.end + f64::EPSILON * self.state.time;
-                if control.dt() < smallest {
-                    let (time, dt) = (self.state.time, control.dt());
-                    return Err(self.failed(StepError::TooSmall { time, dt }));
-                }
+            let verdict = self.judged(&scale, &report, &trial, dt);
+            if !control.judge(verdict.largest(), dt) {
+                self.rejections.count(verdict.reason());
+                self.check_smallest(control.dt())?;
                 continue;
             }
             std::mem::swap(&mut self.state, &mut trial);
             scheme.accept();
             self.steps += 1;
+            self.balance = balance;
             let reached = stop.time - self.state.time < 1e-9 * dt;
             if reached {
                 self.state.time = stop.time;
                 stops.pass();
             }
-            range = range.max(self.range());
+            scale.cover(&self.model, &self.state.pressure);
             self.accepted(dt, &report, stop.output && reached)?;
         }
-        Ok((scheme.counters(), scheme.solver(), scheme.limit().cloned()))
+        let mut counters = scheme.counters();
+        counters.add(&self.aside);
+        Ok((counters, scheme.solver(), scheme.limit().cloned()))
+    }
+
+    /// Steps that fall below all measure will not end the run.
+    fn check_smallest(&self, dt: f64) -> Result<(), RunError> {
+        let time = self.state.time;
+        let smallest = TINIEST * self.plan.time.end + f64::EPSILON * time;
+        match dt < smallest {
+            true => Err(self.failed(StepError::TooSmall { time, dt })),
+            false => Ok(()),
+        }
     }
 
     fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<(), RunError> {
-        self.balance.add(&report.flows);
-        self.taken_up += report.stored.unwrap_or(0.0);
-        let start = Instant::now();
-        self.write_history(dt, report)?;
-        if output | self.has_grown() {
-            self.write_fields()?;
-        }
-        self.timers.add("output", start.elapsed().as_secs_f64());
+        let timers = self.timers.clone();
+        timers.time("output", || {
+            self.write_history(dt, report)?;
+            match output | self.has_grown() {
+                true => self.write_fields(),
+                false => Ok(()),
+            }
+        })?;
         self.observer.step(&Progress {
             time: self.state.time,
             end: self.plan.time.end,
             dt,
             steps: self.steps,
-            rejected: self.rejected,
+            rejected: self.rejections.total(),
             iterations: report.iterations,
+            passes: report.residual.map(|left| (report.passes, left)),
             potential: self.balance.potential,
         });
         Ok(())
@@ -287,7 +315,7 @@ impl<const D: usize> Run<'_, D> {
 
     /// Whether the user stopped any of the processes.
     fn is_interrupted(&self) -> bool {
-        let mut stopped = [f64::from(u8::from(self.interrupt.load(Ordering::Relaxed)))];
+        let mut stopped = [f64::from(u8::from(self.interrupt.is_raised()))];
         self.model.share().sum(&mut stopped);
         stopped[0] > 0.5
     }
@@ -329,7 +357,7 @@ impl<const D: usize> Run<'_, D> {
         let time = &self.plan.time;
         let dt = self.allowed(scheme);
         if dt.is_finite() {
-            return StepControl::constant(dt.min(time.max_step.unwrap_or(dt)));
+            return StepControl::bounded(dt, time.max_step.unwrap_or(f64::INFINITY));
         }
         if let (Some(limit), StepRule::Fixed(dt)) = (scheme.limit(), time.step)
             && dt > limit.dt
@@ -349,58 +377,26 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    /// Range that the pressure will have, from one implicit step across the whole run: the scale of
-    /// errors while the field itself is still flat.
-    fn expected_range(&mut self) -> Result<f64, StepError> {
+    /// What errors of the pressure are measured against. Sources do not tell how far they will drive it:
+    /// one implicit step across the whole run does.
+    fn scale(&mut self) -> Result<Scale, StepError> {
+        let mut scale = Scale::new(self.plan, &self.model);
+        scale.cover(&self.model, &self.state.pressure);
         let adaptive = self.plan.time.step == StepRule::Adaptive;
         let explicit = self.plan.scheme == SchemeChoice::Explicit;
-        if self.plan.fracture_flow.is_some() {
-            // Steps are judged by the growth of damage.
-            return Ok(0.0);
-        }
-        let (Some(flow), true, false) = (&self.model.flow, adaptive, explicit) else {
-            return Ok(0.0);
+        let (Some(flow), None, true, false) =
+            (&self.model.flow, &self.model.solid, adaptive, explicit)
+        else {
+            return Ok(scale);
         };
-        let mut probe = match self.model.solid {
-            None => {
-                let stage = Box::new(FlowStage::new(&self.plan.stage_demand(), flow)?);
-                Box::new(Implicit::new(Integrator::BackwardEuler, stage, false))
-                    as Box<dyn Scheme<D>>
-            }
-            // An undrained start has shown the range already.
-            Some(_) if self.range() > 0.0 => return Ok(0.0),
-            Some(_) => schemes::build(self.plan, &self.model)?,
-        };
+        let stage = Box::new(FlowStage::new(&self.plan.stage_demand(), flow)?);
+        let mut probe = Implicit::new(Integrator::BackwardEuler, stage, false);
         let mut far = self.state.clone();
-        probe.step(&mut self.model, &self.state, self.plan.time.end, &mut far)?;
-        let prescribed = self
-            .model
-            .flow
-            .iter()
-            .flat_map(|flow| flow.prescribed(far.time));
-        Ok(spread(&far.pressure, &prescribed.collect::<Vec<f64>>()))
-    }
-
-    fn range(&self) -> f64 {
-        self.model.flow.as_ref().map_or(0.0, |flow| {
-            spread(&self.state.pressure, &flow.prescribed(self.state.time))
-        })
-    }
-
-    /// Fluid content of the pores above that at rest, m^D.
-    fn stored(&self) -> f64 {
-        let Some(flow) = &self.model.flow else {
-            return 0.0;
-        };
-        let strain: f64 = match self.model.coupling {
-            Some(_) => self
-                .model
-                .content(&self.state.displacement, &self.state.walls)
-                .iter()
-                .sum(),
-            None => 0.0,
-        };
-        flow.stored(&self.state.pressure) + strain
+        let tried = probe.step(&mut self.model, &self.state, self.plan.time.end, &mut far);
+        self.aside.add(&probe.counters());
+        tried?;
+        scale.cover(&self.model, &far.pressure);
+        Ok(scale)
     }
 
     fn start_history(&mut self) -> Result<(), RunError> {
@@ -412,17 +408,11 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn write_history(&mut self, dt: f64, report: &StepReport) -> Result<(), RunError> {
-        if self.plan.time.mode == TimeMode::Transient {
-            let stored = match self.plan.fracture_flow {
-                Some(_) => self.taken_up,
-                None => self.stored() - self.start_volume,
-            };
-            self.balance.close(stored);
-        }
-        self.measure_energy();
+        self.watch_suction();
         if self.plan.damage.is_some() {
             let now = Fractures::of(self.plan, &self.model, &self.state);
-            self.tracker.follow(D, self.state.time, now);
+            let time = self.state.time;
+            self.tracker.follow(self.plan, &self.model, time, now);
         }
         let Some(writer) = &mut self.writer else {
             return Ok(());
@@ -431,7 +421,7 @@ impl<const D: usize> Run<'_, D> {
             self.plan,
             &self.model,
             &self.state,
-            (dt, report.iterations),
+            (dt, report, self.rejections),
             &self.balance,
             self.tracker.last.as_ref(),
         );
@@ -454,21 +444,6 @@ impl<const D: usize> Run<'_, D> {
         let completed = writer.fields(self.plan, &self.model, &self.state);
         self.agree(completed)
     }
-
-    fn measure_energy(&mut self) {
-        let State {
-            time,
-            pressure,
-            displacement,
-            walls,
-            history,
-            ..
-        } = &self.state;
-        let audit = (self.model).audit(*time, pressure, displacement, walls, history);
-        self.balance.momentum = audit.map(|audit| audit.momentum);
-        self.balance.energy = audit.map(|audit| audit.energy);
-        self.balance.potential = audit.map(|audit| audit.potential);
-    }
 }
 
 /// Smallest step relative to the run to which a failing step is cut.
@@ -476,9 +451,3 @@ const SMALLEST: f64 = 1e-12;
 /// The same for steps that are cut for accuracy: with next to no storage the first instant of a run
 /// has a layer this thin.
 const TINIEST: f64 = 1e-30;
-
-/// Largest minus smallest of the pressures and the prescribed ones.
-fn spread(pressure: &[f64], walls: &[f64]) -> f64 {
-    let ([low, high], [wall_low, wall_high]) = (extremes(pressure), extremes(walls));
-    high.max(wall_high) - low.min(wall_low)
-}

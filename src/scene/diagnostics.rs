@@ -89,6 +89,9 @@ impl Diagnostic {
     }
 }
 
+/// Faults that are shown; nobody reads more, and each is cut out of the whole text.
+const MOST_SHOWN: usize = 100;
+
 /// Everything that is wrong with a scene, in the order of the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneErrors {
@@ -116,13 +119,15 @@ impl SceneErrors {
         } else {
             Renderer::plain()
         };
-        let mut parts: Vec<String> = self
-            .diagnostics
-            .iter()
-            .map(|d| d.render(&self.sources, &renderer))
-            .collect();
-        if parts.len() > 1 {
-            parts.push(format!("{} errors in {}", parts.len(), self.sources.name()));
+        let shown = self.diagnostics.iter().take(MOST_SHOWN);
+        let mut parts: Vec<String> = shown.map(|d| d.render(&self.sources, &renderer)).collect();
+        let (count, name) = (self.diagnostics.len(), self.sources.name());
+        if count > MOST_SHOWN {
+            parts.push(format!(
+                "{count} errors in {name}, of which the first {MOST_SHOWN} are shown"
+            ));
+        } else if count > 1 {
+            parts.push(format!("{count} errors in {name}"));
         }
         parts.join("\n\n")
     }
@@ -194,6 +199,18 @@ mod tests {
         let text = SceneErrors::new(vec![error], sources).to_string();
         assert!(text.contains("--set #1:1:11"), "{text}");
         assert!(text.contains("the run ends here"), "{text}");
+    }
+
+    #[test]
+    fn of_many_errors_the_first_hundred_are_shown() {
+        let fault = |k: usize| Diagnostic::new(format!("fault {k}")).at(Span { start: 0, end: 1 });
+        let errors = SceneErrors::new((0..5000).map(fault).collect(), sources());
+        let text = errors.to_string();
+        assert_eq!(text.matches("error: fault").count(), MOST_SHOWN);
+        assert!(
+            text.ends_with("5000 errors in case.toml, of which the first 100 are shown"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -9,8 +9,8 @@ use serde::Deserialize;
 use super::Scene;
 use super::diagnostics::Diagnostic;
 use super::sections::{
-    Coupling, Crack, Damage, Flow, Fluid, FractureFlow, Geometry, Gravity, Horizon, Material,
-    Mechanics, Output, Reference, Scheme, Solver, TimeControl, Well,
+    Audit, Coupling, Crack, Damage, Flow, Fluid, FractureFlow, Geometry, Gravity, Horizon,
+    Material, Mechanics, Output, Reference, Scheme, Solver, TimeControl, Well,
 };
 use super::span::{Named, Spanned};
 use super::validate::{Context, Report, Section};
@@ -58,6 +58,8 @@ pub(super) struct Draft {
     pub scheme: Option<Spanned<Scheme>>,
     /// Who solves the linear systems.
     pub solver: Option<Spanned<Solver>>,
+    /// How well balances must close.
+    pub audit: Option<Spanned<Audit>>,
     /// What is written, and when.
     pub output: Option<Spanned<Output>>,
     /// An exact solution to compare with.
@@ -87,6 +89,7 @@ impl Draft {
         check(&self.time, scene, &mut report);
         check(&self.scheme, scene, &mut report);
         check(&self.solver, scene, &mut report);
+        check(&self.audit, scene, &mut report);
         check(&self.output, scene, &mut report);
         check(&self.reference, scene, &mut report);
         report.faults
@@ -155,6 +158,7 @@ impl Draft {
             time: self.time?,
             scheme: self.scheme.unwrap_or_default(),
             solver: self.solver.unwrap_or_default(),
+            audit: self.audit.unwrap_or_default(),
             output: self.output.unwrap_or_default(),
             reference: self.reference,
         })

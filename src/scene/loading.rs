@@ -7,7 +7,7 @@ use super::draft::Draft;
 use super::sources::Sources;
 use super::tree::{self, Node};
 use super::validate::Context;
-use super::{Scene, overrides, recover};
+use super::{Scene, base, overrides, recover};
 
 /// A scene, with what is needed to speak about it.
 #[derive(Debug, Clone)]
@@ -41,58 +41,17 @@ impl LoadedScene {
 
 /// Loads a scene file and applies `--set` texts (`key.path=value`) in their order.
 ///
+/// A file may name another one as its `base`, which it changes, and that one another.
+///
 /// # Errors
 /// All faults at once: the file cannot be read, syntax, unknown keys, units, broken rules.
 pub fn load_file(path: &Path, overrides: &[String]) -> Result<LoadedScene, SceneErrors> {
-    let name = path.display().to_string();
-    let refuse = |message: String, help: &str| {
-        let fault = Diagnostic::new(message).help(help);
-        Err(SceneErrors::new(vec![fault], Sources::new(&name, "")))
-    };
-    if path.is_dir() {
-        let help = "name the scene file in it, such as scene.toml";
-        return refuse(format!("`{name}` is a folder, not a scene file"), help);
-    }
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            let help = "check the path and the permissions";
-            return refuse(
-                format!("cannot read the scene file `{name}`: {error}"),
-                help,
-            );
-        }
-    };
+    let layers = base::layers(path)?;
+    let layers: Vec<(&str, &str)> = (layers.iter())
+        .map(|layer| (&*layer.name, &*layer.text))
+        .collect();
     let base_dir = path.parent().unwrap_or_else(|| Path::new(""));
-    match String::from_utf8(bytes) {
-        Ok(text) => match base_of(&text) {
-            None => load_str(&name, &text, base_dir, overrides),
-            Some(base) => {
-                let file = base_dir.join(&base);
-                match std::fs::read_to_string(&file) {
-                    Ok(first) => {
-                        let layers = [(&*file.display().to_string(), &*first), (&name, &text)];
-                        load_layers(&layers, base_dir, overrides)
-                    }
-                    Err(error) => refuse(
-                        format!(
-                            "cannot read the base `{base}` of the scene file `{name}`: {error}"
-                        ),
-                        "`base` names a scene file beside this one, which this one changes",
-                    ),
-                }
-            }
-        },
-        Err(error) => {
-            let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-            let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
-            let help = "save the file with the encoding UTF-8";
-            refuse(
-                format!("the scene file `{name}` is not UTF-8 text (line {line})"),
-                help,
-            )
-        }
-    }
+    load_layers(&layers, base_dir, overrides)
 }
 
 /// Loads a scene from a text; `name` stands for it in messages, paths in it are relative to
@@ -140,12 +99,6 @@ pub fn load_layers(
     Err(SceneErrors::new(faults, sources))
 }
 
-/// The base that a scene file names, if its text can be read so far.
-fn base_of(text: &str) -> Option<String> {
-    let table: toml::Table = text.parse().ok()?;
-    Some(table.get(overrides::BASE)?.as_str()?.to_owned())
-}
-
 fn merge(
     text: &str,
     changes: &[(&str, &str)],
@@ -163,7 +116,8 @@ fn merge(
     for (name, text) in changes {
         overrides::lay_over(&mut root, name, text, sources)?;
     }
-    let faults = overrides::apply(&mut root, overrides, sources);
+    let mut faults = overrides::apply(&mut root, overrides, sources);
+    faults.extend(base::misplaced(&root));
     if faults.is_empty() {
         Ok(root)
     } else {
@@ -175,6 +129,10 @@ fn build(mut root: Node) -> Result<Scene, Vec<Diagnostic>> {
     let reading = recover::read_all::<Draft>(&mut root);
     let mut faults = reading.faults;
     let Some(draft) = reading.value else {
+        if faults.len() >= recover::MOST_FAULTS {
+            let message = format!("reading ended after {} faults", faults.len());
+            faults.push(Diagnostic::new(message).help("correct these first"));
+        }
         return Err(faults);
     };
     faults.extend(draft.check(&Context {
@@ -227,7 +185,7 @@ end = "10 s"
         assert_eq!(scene.fluid.as_ref().unwrap().viscosity.value(), 1e-3);
         assert_eq!(scene.fluid.unwrap().density.value(), 1000.0);
         assert_eq!(scene.time.end.unwrap().value(), 10.0);
-        assert_eq!(scene.time.tolerance.value(), 1e-5);
+        assert_eq!(scene.time.tolerance.map(|own| own.value()), None);
         assert_eq!(scene.solver.name.value, "auto");
         assert_eq!(scene.geometry.bounds().unwrap().max, [1.0, 1.0]);
         assert!(scene.gravity.is_none() && scene.wells.is_empty() && scene.output.vtu);

@@ -10,12 +10,14 @@
 //! [`SceneErrors`]. Lengths, pressures and so on are [`Quantity`] values in SI that remember where
 //! they were typed, so that later steps can underline them too.
 
+mod base;
 mod diagnostics;
 mod draft;
 mod load;
 mod loading;
 mod overrides;
 pub mod quantity;
+mod range;
 mod reader;
 mod recover;
 mod schema;
@@ -81,6 +83,8 @@ pub struct Scene {
     pub scheme: Spanned<Scheme>,
     /// Who solves the linear systems.
     pub solver: Spanned<Solver>,
+    /// How well balances must close.
+    pub audit: Spanned<Audit>,
     /// What is written, and when.
     pub output: Spanned<Output>,
     /// An exact solution to compare with.

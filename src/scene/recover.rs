@@ -23,7 +23,10 @@ pub(super) struct Reading<T> {
     pub faulty: BTreeSet<String>,
 }
 
-/// Reads as much of the tree as can be read.
+/// Faults after which reading ends: each takes a reading of the whole tree, and nobody reads more.
+pub(super) const MOST_FAULTS: usize = 100;
+
+/// Reads as much of the tree as can be read, up to [`MOST_FAULTS`] faults.
 pub(super) fn read_all<T: DeserializeOwned>(root: &mut Node) -> Reading<T> {
     let mut reading = Reading {
         value: None,
@@ -45,7 +48,7 @@ pub(super) fn read_all<T: DeserializeOwned>(root: &mut Node) -> Reading<T> {
         if !is_consequence(root, &path, &error) {
             reading.faults.push(*error.diagnostic);
         }
-        if path.is_empty() {
+        if path.is_empty() || reading.faults.len() >= MOST_FAULTS {
             return reading;
         }
         root.mark_faulty(&path);
@@ -225,6 +228,15 @@ mod tests {
         assert!((round.radius - 1.0).abs() < 1e-15);
         let place = value.place.span;
         assert_eq!(&text[place.start..place.end], "2.5");
+    }
+
+    #[test]
+    fn reading_ends_after_a_hundred_faults() {
+        let entries = (0..5000).map(|k| format!("m{k} = {{ radius = 'x' }}\n"));
+        let text = format!("[named]\n{}", entries.collect::<String>());
+        let (value, faults) = toy(&text);
+        assert!(value.is_none());
+        assert_eq!(faults.len(), MOST_FAULTS);
     }
 
     #[test]

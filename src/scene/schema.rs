@@ -6,8 +6,8 @@ use super::draft::Draft;
 
 /// The JSON schema (draft 7, which editors know best) of a scene file.
 ///
-/// It describes keys, kinds of values and choices. Units and the rules between keys are checked
-/// only when a scene is loaded.
+/// It describes keys, kinds of values, choices, and the limits of bare numbers. Units and the rules
+/// between keys are checked only when a scene is loaded.
 pub fn json_schema() -> serde_json::Value {
     let mut generator = SchemaSettings::draft07().into_generator();
     generator.root_schema_for::<Draft>().to_value()
@@ -46,6 +46,7 @@ mod tests {
             "wells",
             "time",
             "scheme",
+            "audit",
             "output",
             "reference",
         ] {
@@ -83,6 +84,49 @@ mod tests {
             "plate",
         ];
         assert_eq!(keys, expected);
+    }
+
+    /// Limits in the schema of a key, with its description.
+    fn limits(schema: &Value, table: &str, key: &str) -> (Option<f64>, Option<f64>, String) {
+        let found = &schema["definitions"][table]["properties"][key];
+        let number = |name: &str| found[name].as_f64();
+        let told = found["description"].as_str().unwrap_or_default().to_owned();
+        (number("minimum"), number("maximum"), told)
+    }
+
+    #[test]
+    fn keys_that_tune_have_limits_and_their_reason_in_the_schema() {
+        let schema = json_schema();
+        for (table, key, low, high) in [
+            ("Flow", "hourglass", 0.1, 10.0),
+            ("Mechanics", "hourglass", 0.1, 10.0),
+            ("Coupling", "stabilisation", 0.0, 10.0),
+            ("Scheme", "relaxation", 0.0, 10.0),
+            ("Scheme", "coupling_tolerance", 1e-14, 1e-3),
+            ("Scheme", "coupling_iterations", 1.0, 1e6),
+            ("Scheme", "adr_tolerance", 1e-14, 1e-5),
+            ("Scheme", "adr_iterations", 1.0, 1e9),
+            ("Scheme", "adr_smoothing", 1e-3, 1.0),
+            ("TimeControl", "tolerance", 1e-12, 0.1),
+            ("TimeControl", "safety", 1e-3, 1.0),
+            ("TimeControl", "max_steps", 1.0, 1e12),
+            ("Damage", "residual_stiffness", 1e-14, 1e-3),
+            ("Damage", "tolerance", 1e-12, 1e-3),
+            ("Damage", "iterations", 1.0, 1e6),
+            ("Damage", "resting_growth", 0.0, 0.01),
+            ("Damage", "largest_increment", 1e-3, 1.0),
+            ("FractureFlow", "lower_threshold", 0.01, 0.99),
+            ("FractureFlow", "upper_threshold", 0.02, 1.0),
+            ("Horizon", "neighbours", 3.0, 500.0),
+            ("Horizon", "ratio", 1.0, 10.0),
+            ("Refinement", "levels", 1.0, 12.0),
+            ("Profile", "points", 2.0, 1e5),
+            ("Material", "porosity", 0.0, 1.0),
+        ] {
+            let (least, most, told) = limits(&schema, table, key);
+            assert_eq!((least, most), (Some(low), Some(high)), "{table}.{key}");
+            assert!(told.contains(" From "), "{table}.{key}: {told}");
+        }
     }
 
     #[test]

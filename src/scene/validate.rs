@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use super::diagnostics::Diagnostic;
 use super::draft::Draft;
 use super::load::Load;
-use super::quantity::{Dimension, Length, Number, Quantity, values};
+use super::quantity::{Dimension, Length, Quantity, values};
 use super::sections::Bounds;
 use super::shape::Shape;
 use super::span::{Named, Span, Spanned};
@@ -86,24 +86,6 @@ impl Report {
     pub fn not_negative<D: Dimension>(&mut self, name: &str, quantity: Quantity<D>) {
         if quantity.value() < 0.0 {
             self.add(Diagnostic::new(format!("`{name}` must not be negative")).at(quantity.span()));
-        }
-    }
-
-    /// Low and high are allowed values.
-    pub fn within<D: Dimension>(&mut self, name: &str, q: Quantity<D>, low: f64, high: f64) {
-        if !(low..=high).contains(&q.value()) {
-            let [low, high, found] = [low, high, q.value()].map(short);
-            let message = format!("`{name}` must lie between {low} and {high}, found {found}");
-            self.add(Diagnostic::new(message).at(q.span()));
-        }
-    }
-
-    /// Above 0, up to 1.
-    pub fn share(&mut self, name: &str, number: Number) {
-        self.positive(name, number);
-        if number.value() > 1.0 {
-            let fault = Diagnostic::new(format!("`{name}` must not be above 1"));
-            self.add(fault.at(number.span()));
         }
     }
 
@@ -281,8 +263,13 @@ impl Report {
     }
 }
 
-/// A number as one would write it: `0`, `0.4`, `1e-12`.
-fn short(number: f64) -> String {
-    let text = format!("{number:?}");
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+/// A number as one would write it: `0`, `0.4`, `1e-12`, `1e6`.
+pub(super) fn short(number: f64) -> String {
+    let plain = format!("{number:?}");
+    let plain = plain.strip_suffix(".0").unwrap_or(&plain);
+    let power = format!("{number:e}");
+    match power.len() + 1 < plain.len() {
+        true => power,
+        false => plain.to_owned(),
+    }
 }

@@ -19,6 +19,8 @@ const CAUTION: f64 = 0.85;
 /// Growth below which the step stays, so that the factor of the matrix can be kept.
 const WORTHWHILE: f64 = 1.6;
 const MOST_GROWTH: f64 = 8.0;
+/// Growth after a cut where no error tells how long a step may be.
+const REGROWTH: f64 = 2.0;
 const MOST_CUT: f64 = 0.1;
 
 impl StepControl {
@@ -41,14 +43,14 @@ impl StepControl {
         }
     }
 
-    /// Constant step.
-    pub fn constant(dt: f64) -> Self {
+    /// Steps that something else bounds: they start at `dt` and grow again after a cut, up to `max`, s.
+    pub fn bounded(dt: f64, max: f64) -> Self {
         StepControl {
-            dt,
+            dt: dt.min(max),
             tolerance: 1.0,
             order: 1.0,
-            max: dt,
-            fixed: true,
+            max,
+            fixed: false,
             worthwhile: WORTHWHILE,
             previous: None,
         }
@@ -78,6 +80,9 @@ impl StepControl {
     /// A step shortened to end at a stop says nothing about whether the next could be longer.
     pub fn judge(&mut self, relative_error: Option<f64>, tried: f64) -> bool {
         let Some(error) = relative_error.filter(|_| !self.fixed) else {
+            if !self.fixed && tried >= 0.999 * self.dt {
+                self.dt = (REGROWTH * self.dt).min(self.max);
+            }
             return true;
         };
         let scaled = if error.is_finite() {

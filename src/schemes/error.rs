@@ -4,6 +4,89 @@ use perifrac_solvers::{SolveError, SpecError};
 
 use crate::assembly::PatternError;
 
+/// Why a step was rejected: the measure that it did not meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Rejection {
+    /// The error estimate of the step, or values that left all bounds.
+    Error,
+    /// Growth of damage within the step.
+    Growth,
+    /// The linear solver or the relaxation that stands in for it.
+    Solver,
+    /// Passes between the fields, or between damage and displacement.
+    Coupling,
+    /// Balance of mass, momentum or energy.
+    Balance,
+}
+
+impl Rejection {
+    /// All reasons, in the order of reports.
+    pub const ALL: [Rejection; 5] = [
+        Rejection::Error,
+        Rejection::Growth,
+        Rejection::Solver,
+        Rejection::Coupling,
+        Rejection::Balance,
+    ];
+
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rejection::Error => "error",
+            Rejection::Growth => "growth",
+            Rejection::Solver => "solver",
+            Rejection::Coupling => "coupling",
+            Rejection::Balance => "balance",
+        }
+    }
+}
+
+/// What every step conserves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Conserved {
+    /// Mass of the fluid.
+    Mass,
+    /// Momentum: forces balance, inertia included.
+    Momentum,
+    /// Energy: none comes from nowhere.
+    Energy,
+}
+
+impl Conserved {
+    /// What a loss is measured against.
+    fn whole(self) -> &'static str {
+        match self {
+            Conserved::Mass => "the fluid that moved is lost or made",
+            Conserved::Momentum => "all forces are out of balance",
+            Conserved::Energy => "the energy supplied or stored comes from nowhere",
+        }
+    }
+
+    /// What to do about it.
+    fn remedy(self) -> &'static str {
+        match self {
+            Conserved::Mass => {
+                "take smaller steps (time.step, time.max_step), lower scheme.coupling_tolerance, or use \
+                 --scheme monolithic, which balances to rounding"
+            }
+            Conserved::Momentum => {
+                "lower scheme.adr_tolerance or damage.tolerance, or use an implicit scheme"
+            }
+            Conserved::Energy => "take smaller steps, or use an implicit scheme",
+        }
+    }
+}
+
+impl std::fmt::Display for Conserved {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Conserved::Mass => "mass",
+            Conserved::Momentum => "momentum",
+            Conserved::Energy => "energy",
+        })
+    }
+}
+
 /// A step that cannot be accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum StepError {
@@ -169,6 +252,21 @@ pub enum StepError {
         /// The limit, s.
         limit: f64,
     },
+    /// A balance misses its limit.
+    #[error(
+        "{quantity} is not conserved in the step to t = {time:.6e} s: {found:.1e} of {}, more than \
+         audit.{quantity} = {limit:.1e} allows; {}", quantity.whole(), quantity.remedy()
+    )]
+    Unbalanced {
+        /// Time, s.
+        time: f64,
+        /// What is out of balance.
+        quantity: Conserved,
+        /// How far, relative to its scale.
+        found: f64,
+        /// What is allowed.
+        limit: f64,
+    },
     /// Steps have become too small to get anywhere.
     #[error(
         "the step fell to {dt:.3e} s at t = {time:.6e} s without meeting the tolerance; raise \
@@ -201,6 +299,35 @@ fn remedy(relaxation: f64) -> &'static str {
 }
 
 impl StepError {
+    /// Whether the user stopped the step, which says nothing of the scheme.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, StepError::Solve(SolveError::Interrupted))
+    }
+
+    /// What the step did not meet.
+    pub fn reason(&self) -> Rejection {
+        match self {
+            StepError::Solve(_)
+            | StepError::Spec(_)
+            | StepError::Pattern(_)
+            | StepError::NotRelaxed { .. } => Rejection::Solver,
+            StepError::Runs { .. } => Rejection::Growth,
+            StepError::NotBroken { .. }
+            | StepError::CouplingDiverged { .. }
+            | StepError::CouplingUnstable { .. }
+            | StepError::FractureUnstable { .. } => Rejection::Coupling,
+            StepError::NoEquilibrium { .. }
+            | StepError::Unbalanced { .. }
+            | StepError::LoosePlate
+            | StepError::NoSteadyState { .. } => Rejection::Balance,
+            StepError::NotFinite { .. }
+            | StepError::Unstable { .. }
+            | StepError::TooSmall { .. }
+            | StepError::Missing { .. }
+            | StepError::Refused { .. } => Rejection::Error,
+        }
+    }
+
     /// Whether a smaller step cannot help.
     pub fn is_final(&self) -> bool {
         matches!(
@@ -213,5 +340,27 @@ impl StepError {
                 | StepError::Refused { .. }
                 | StepError::LoosePlate
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_solve_and_passes_that_do_not_meet_are_told_apart() {
+        let singular = StepError::Solve(SolveError::Singular { row: 3 });
+        let apart = StepError::NotBroken {
+            time: 1.0,
+            residual: 0.1,
+            tolerance: 1e-4,
+            iterations: 9,
+        };
+        let runs = StepError::Runs {
+            time: 1.0,
+            most: 0.1,
+        };
+        let reasons = [&singular, &apart, &runs].map(|error| error.reason().name());
+        assert_eq!(reasons, ["solver", "coupling", "growth"]);
     }
 }

@@ -166,18 +166,22 @@ error: unknown key `ned`
         },
         Fault {
             name: "an override that does not fit the file",
-            arguments: &["run", "scene.toml", "--set", "time.step=200 s"],
+            arguments: &[
+                "run",
+                "scene.toml",
+                "--set",
+                "wells.w.rate=1",
+                "--set",
+                "wells.w.at=[2, 0.5]",
+            ],
             stderr: r#"
-error: `step` is longer than the run
-  --> --set #1:1:11
-   |
- 1 | time.step=200 s
-   |           ^^^^^
-   |
-  ::: scene.toml:16:7
-   |
-16 | end = "100 s"
-   |       ------- the run ends here
+error: `at` lies outside the domain
+ --> --set #2:1:12
+  |
+1 | wells.w.at=[2, 0.5]
+  |            ^^^^^^^^
+  |
+  = help: the domain is [0, 1] × [0, 1] m
 "#,
             ..FAULT
         },

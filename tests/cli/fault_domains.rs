@@ -28,6 +28,8 @@ error: `jitter` must lie between 0 and 0.4, found 0.6
   |
 6 | jitter = 0.6
   |          ^^^
+  |
+  = help: beyond half a cell points leave their own cells and may meet
 "#,
             ..FAULT
         },

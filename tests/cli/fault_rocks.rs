@@ -65,6 +65,8 @@ error: `porosity` must lie between 0 and 1, found 20
    |
 10 | porosity = 20
    |            ^^
+   |
+   = help: it is a share of the volume
 
 error: `biot_coefficient` must not be below `porosity` (Eq. 38)
   --> scene.toml:11:20

@@ -15,20 +15,31 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Cell widths, in metres. A geometric segment takes the whole number of cells nearest to what
-    /// its two spacings imply and keeps their ratio, so both shift slightly to fill the length.
-    fn widths(&self, axis: usize) -> Result<Vec<f64>, GenerateError> {
+    /// Number of cells along the segment of axis `axis`.
+    ///
+    /// # Errors
+    /// As [`graded`].
+    pub fn cells(&self, axis: usize) -> Result<usize, GenerateError> {
         let growth = self.last / self.first;
         if (growth - 1.0).abs() < 1e-12 {
-            let cells = divide(self.length, self.first, axis)?;
-            return Ok(vec![self.length / cells as f64; cells]);
+            return divide(self.length, self.first, axis);
         }
         // A geometric series from `first` to `last` sums to (last·q − first)/(q − 1).
         let mean = (self.last - self.first) / growth.ln();
         let count = (self.length / mean).round().max(2.0);
         check_count(count)?;
-        let ratio = growth.powf(1.0 / (count - 1.0));
-        let raw: Vec<f64> = (0..count as i32)
+        Ok(count as usize)
+    }
+
+    /// Cell widths, in metres. A geometric segment takes the whole number of cells nearest to what
+    /// its two spacings imply and keeps their ratio, so both shift slightly to fill the length.
+    fn widths(&self, axis: usize) -> Result<Vec<f64>, GenerateError> {
+        let (growth, cells) = (self.last / self.first, self.cells(axis)?);
+        if (growth - 1.0).abs() < 1e-12 {
+            return Ok(vec![self.length / cells as f64; cells]);
+        }
+        let ratio = growth.powf(1.0 / (cells as f64 - 1.0));
+        let raw: Vec<f64> = (0..cells as i32)
             .map(|k| self.first * ratio.powi(k))
             .collect();
         let scale = self.length / raw.iter().sum::<f64>();

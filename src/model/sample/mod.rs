@@ -2,14 +2,16 @@
 
 mod coupled;
 mod family;
+mod outline;
 
 pub use coupled::CoupledSample;
 
 use self::family::LocalFamily;
+use self::outline::CloudOutline;
 use super::operator_choice::ChosenOperator;
 use super::properties::{self, Properties};
 use super::{ModelError, build_cloud, fit};
-use crate::geometry::{Cloud, Sampler};
+use crate::geometry::{Cloud, GeometryError, Horizon, Sampler};
 use crate::plan::{FlowPlan, MechanicsPlan, Plan};
 
 /// Averages over sampled points and extremes over all points.
@@ -17,6 +19,8 @@ use crate::plan::{FlowPlan, MechanicsPlan, Plan};
 pub struct Sample {
     /// Points of the cloud.
     pub points: usize,
+    /// Whether the cloud was too large to be made, so that a small one stands for it.
+    pub estimated: bool,
     /// Points along the edge of the smallest cross-section of the cloud.
     pub across: f64,
     /// Smallest and largest horizon, m.
@@ -72,6 +76,8 @@ pub struct SolidSample {
     pub poissons_ratio: f64,
     /// Largest over smallest shear modulus.
     pub contrast: f64,
+    /// Largest (λ + 2μ)/μ.
+    pub volume_stiffness: f64,
     /// Step limit by waves, where the density of every point is known.
     pub waves: Option<PointLimit>,
 }
@@ -112,7 +118,8 @@ const SAMPLES: usize = 48;
 /// Share of the step of Eq. 60 that is taken (Eq. 61).
 const WAVE_SHARE: f64 = 0.7;
 
-/// Samples the model of a plan.
+/// Samples the model of a plan; a cloud that is too large to be made in about a second is estimated
+/// from a small one like it.
 ///
 /// # Errors
 /// [`ModelError`] as building would give.
@@ -120,14 +127,30 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
     if plan.flow.is_none() && plan.mechanics.is_none() {
         return Err(ModelError::NothingToDo);
     }
-    let (cloud, table) = build_cloud::<D>(plan)?;
-    fit::check(plan, &cloud)?;
-    let points = properties::assign(plan, &cloud, table)?;
-    let sampler = Sampler::new(&cloud, plan.horizon)?;
+    let sample = match CloudOutline::<D>::of_large(plan)? {
+        Some(outline) => estimated(plan, &outline)?,
+        None => {
+            let (cloud, table) = build_cloud::<D>(plan)?;
+            fit::check(plan, &cloud)?;
+            let points = properties::assign(plan, &cloud, table)?;
+            sampled(plan, &cloud, &points, plan.horizon)?
+        }
+    };
+    check_bonds(&sample)?;
+    Ok(sample)
+}
+
+fn sampled<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+    points: &Properties,
+    horizon: Horizon,
+) -> Result<Sample, ModelError> {
+    let sampler = Sampler::new(cloud, horizon)?;
     let hourglass = plan.flow.as_ref().map_or(1.0, |flow| flow.hourglass);
     let families: Vec<LocalFamily> = sampled_points(cloud.len())
         .into_iter()
-        .map(|i| LocalFamily::new(plan, &cloud, &sampler, i, hourglass))
+        .map(|i| LocalFamily::new(plan, cloud, &sampler, i, hourglass))
         .collect();
     let mut per_material = vec![0; plan.materials.len()];
     points
@@ -136,13 +159,14 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
         .for_each(|&m| per_material[usize::from(m)] += 1);
     let seen = Seen {
         plan,
-        cloud: &cloud,
-        points: &points,
+        cloud,
+        points,
         families: &families,
     };
     Ok(Sample {
         points: cloud.len(),
-        across: across(&cloud),
+        estimated: false,
+        across: across(cloud),
         horizon: extremes(sampler.horizon().iter().copied()),
         spacing: extremes((0..cloud.len()).map(|i| cloud.spacing(i))),
         extent: cloud.domain.size().amax(),
@@ -152,6 +176,66 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
         coupling: plan.coupling.map(|_| seen.coupling()),
     })
+}
+
+/// The sample of the cloud that stands in, scaled to the true one.
+fn estimated<const D: usize>(plan: &Plan, outline: &CloudOutline<D>) -> Result<Sample, ModelError> {
+    let small = outline.stand_in(plan.horizon)?;
+    let points = properties::assign_roughly(plan, &small.places)?;
+    let sample = sampled(plan, &small.cells, &points, small.horizon)?;
+    let more = outline.count / sample.points as f64;
+    let spacing = outline.extremes();
+    // Spacings of the small cloud are all the same: mean ones, so many times coarser.
+    let finer = spacing[0] / outline.spacing() / small.coarser;
+    let limit = |limit: PointLimit, power: i32| PointLimit {
+        dt: limit.dt * finer.powi(power),
+        position: small.places.position[limit.point].iter().copied().collect(),
+        point: (limit.point as f64 * more) as usize,
+    };
+    let horizon = match plan.horizon {
+        Horizon::Radius(radius) => [radius, radius],
+        _ => spacing.map(|spacing| sample.horizon[0] / sample.spacing[0] * spacing),
+    };
+    Ok(Sample {
+        points: outline.count as usize,
+        estimated: true,
+        across: sample.across * small.coarser,
+        horizon,
+        spacing,
+        extent: small.places.domain.size().amax(),
+        irregular: sample.irregular,
+        per_material: (sample.per_material.iter())
+            .map(|&count| (count as f64 * more).round() as usize)
+            .collect(),
+        flow: sample.flow.map(|flow| FlowSample {
+            limit: limit(flow.limit, 2),
+            ..flow
+        }),
+        solid: sample.solid.map(|solid| SolidSample {
+            waves: solid.waves.map(|waves| limit(waves, 1)),
+            ..solid
+        }),
+        coupling: sample.coupling.map(|coupling| CoupledSample {
+            limit: limit(coupling.limit, 2),
+            oscillation: coupling.oscillation
+                * (spacing[1] / outline.spacing() / small.coarser).powi(2),
+            ..coupling
+        }),
+    })
+}
+
+/// Bonds are numbered by 32 bits; building would find out only at its end.
+fn check_bonds(sample: &Sample) -> Result<(), ModelError> {
+    let flow = sample.flow.as_ref().map_or(0.0, |flow| flow.bonds);
+    let solid = sample.solid.as_ref().map_or(0.0, |solid| solid.bonds);
+    let bonds = flow.max(solid) * sample.points as f64;
+    match bonds <= f64::from(u32::MAX) {
+        true => Ok(()),
+        false => Err(ModelError::Geometry(GeometryError::TooLarge {
+            what: "bonds",
+            count: bonds as usize,
+        })),
+    }
 }
 
 /// What all samples are taken from.
@@ -211,6 +295,9 @@ impl<const D: usize> Seen<'_, D> {
             neighbours: self.mean(|family| family.two_hops),
             corrected: mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes),
             contrast: contrast(self.points.lame.iter().map(|lame| lame.mu)),
+            volume_stiffness: (self.points.lame.iter())
+                .map(|lame| lame.volume_stiffness())
+                .fold(1.0, f64::max),
             poissons_ratio: self.points.lame.iter().map(ratio).fold(0.0, f64::max),
             waves: self.waves(),
         }

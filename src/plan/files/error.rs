@@ -237,6 +237,31 @@ pub enum FileError {
         /// What does not fit.
         reason: String,
     },
+    /// An array whose shape is not that of the points.
+    #[error("{path}: an array of shape {shape} for {points}; {remedy}")]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// The shape of the array.
+        shape: String,
+        /// How the points are arranged.
+        points: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// More or fewer values than points.
+    #[error(
+        "{path}: {found} permeabilities for {points} points; the file needs one value per point, in \
+         the order of the cloud (x fastest on a lattice)"
+    )]
+    Length {
+        /// The file.
+        path: PathBuf,
+        /// Values found.
+        found: usize,
+        /// Points of the cloud.
+        points: usize,
+    },
     /// The file may be sound, but has a variant of its format that is not read here.
     #[error("{path}: {what} `{found}` is not read here; {remedy}")]
     Unsupported {

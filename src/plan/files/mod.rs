@@ -7,6 +7,7 @@ mod columns;
 mod csv;
 mod error;
 mod npy;
+mod order;
 mod values;
 mod vtu;
 
@@ -14,6 +15,7 @@ use std::io;
 use std::path::Path;
 
 pub use error::{FileError, Place, ValueFault};
+pub use order::{PermeabilityTable, check_length};
 
 /// Points read from a file, in SI units.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -54,16 +56,22 @@ pub fn read_points(path: &Path) -> Result<PointTable, FileError> {
 
 /// Reads permeabilities, m², from an `.npy` or `.csv` file.
 ///
-/// NPY: an array of floats (4 or 8 bytes) or integers of any shape, flattened in C order (last
-/// index fastest), however it is stored. CSV: the only column, or the one named `column` (whose
-/// unit suffix `_m2` may be left out).
+/// NPY: an array of floats (4 or 8 bytes) or integers, in C or Fortran order; its shape comes with
+/// the values, see [`PermeabilityTable::in_point_order`]. CSV: the only column, or the one named
+/// `column` (whose unit suffix `_m2` may be left out).
 ///
 /// # Errors
 /// [`FileError`] for a file that cannot be read, has another format, lacks the column, or holds a
 /// value that is not finite and positive.
-pub fn read_permeability(path: &Path, column: Option<&str>) -> Result<Vec<f64>, FileError> {
+pub fn read_permeability(
+    path: &Path,
+    column: Option<&str>,
+) -> Result<PermeabilityTable, FileError> {
     match extension(path)?.as_str() {
-        "csv" => csv::read_permeability(path, &read_bytes(path)?, column),
+        "csv" => Ok(PermeabilityTable {
+            values: csv::read_permeability(path, &read_bytes(path)?, column)?,
+            shape: None,
+        }),
         "npy" => match column {
             None => npy::read_permeability(path, &read_bytes(path)?),
             Some(column) => Err(FileError::ColumnInArray {

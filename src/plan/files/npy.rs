@@ -6,13 +6,13 @@ use std::path::Path;
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::values::{Allowed, check};
-use super::{FileError, Place};
+use super::{FileError, PermeabilityTable, Place};
 
 /// Larger headers belong to records with thousands of fields, which are not read here.
 const LONGEST_HEADER: usize = 1 << 16;
 
 /// Reads an array; see [`super::read_permeability`].
-pub(super) fn read_permeability(path: &Path, bytes: &[u8]) -> Result<Vec<f64>, FileError> {
+pub(super) fn read_permeability(path: &Path, bytes: &[u8]) -> Result<PermeabilityTable, FileError> {
     let damaged = |reason| FileError::Damaged {
         path: path.to_path_buf(),
         place: None,
@@ -47,7 +47,11 @@ pub(super) fn read_permeability(path: &Path, bytes: &[u8]) -> Result<Vec<f64>, F
         &values,
         Place::Index,
     )?;
-    Ok(values)
+    let size = |&size: &u64| usize::try_from(size).unwrap_or(usize::MAX);
+    Ok(PermeabilityTable {
+        values,
+        shape: Some(shape.iter().map(size).collect()),
+    })
 }
 
 fn reason(error: &io::Error) -> String {

@@ -15,7 +15,8 @@ fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 fn the_format_is_known_by_the_extension_in_any_case() {
     let (_directory, path) = written("points.CSV", b"x,y,volume\n1,2,3\n");
     assert_eq!(read_points(&path).unwrap().position, [1.0, 2.0]);
-    assert_eq!(read_permeability(&path, Some("volume")).unwrap(), [3.0]);
+    let table = read_permeability(&path, Some("volume")).unwrap();
+    assert_eq!((&table.values[..], table.shape), (&[3.0][..], None));
     for (name, known) in [("a.txt", "`.csv` and `.vtu`"), ("a", "no extension")] {
         let message = read_points(Path::new(name)).unwrap_err().to_string();
         assert!(message.contains(known), "{message}");
@@ -117,7 +118,8 @@ proptest! {
     fn damaged_npy_gives_an_error_or_sound_values(changes in changes(), end in cut()) {
         let file = npy::tests::npy("'<f8'", true, "(2, 3)", &[1_f64; 6].map(f64::to_le_bytes).concat());
         let bytes = damage(&file, &changes, end);
-        if let Ok(values) = npy::read_permeability(Path::new("a.npy"), &bytes) {
+        if let Ok(table) = npy::read_permeability(Path::new("a.npy"), &bytes) {
+            let values = table.values;
             prop_assert!(!values.is_empty() && values.iter().all(|k| k.is_finite() && *k > 0.0));
         }
     }

@@ -1,13 +1,23 @@
 //! How the run goes, what it writes, and what it is compared with.
 
 use crate::plan::types::{
-    Acceleration, Integrator, OutputPlan, Probe, Profile, ReferenceKind, ReferencePlan,
+    Acceleration, AuditPlan, Integrator, OutputPlan, Probe, Profile, ReferenceKind, ReferencePlan,
     SchemeChoice, SchemeOptions, SolidMethod, StepRule, TimeMode, TimePlan,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, Spanned};
 
-pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
+/// Error of a step over the range of the pressure, where none is given.
+const TOLERANCE: f64 = 1e-5;
+/// The same in fractures, where steps are of first order. The peak pressure of `natural-fractures/smoke` is
+/// then 1.2 % below that at 1e-4, in 24 steps; at 1e-3 0.4 %, in 63; judged by damage alone 3.4 %, in 7.
+const TOLERANCE_IN_FRACTURES: f64 = 1e-2;
+
+pub(super) fn time(time: &scene::TimeControl, fractures: bool) -> TimePlan {
+    let tolerance = match fractures {
+        true => TOLERANCE_IN_FRACTURES,
+        false => TOLERANCE,
+    };
     let steady = time.is_steady();
     TimePlan {
         mode: if steady {
@@ -19,7 +29,7 @@ pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
         step: time
             .step
             .map_or(StepRule::Adaptive, |step| StepRule::Fixed(step.value())),
-        tolerance: time.tolerance.value(),
+        tolerance: time.tolerance.map_or(tolerance, |own| own.value()),
         first_step: time.first_step.map(|step| step.value()),
         max_step: time.max_step.map(|step| step.value()),
         safety: time.safety.value(),
@@ -28,9 +38,12 @@ pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
 }
 
 pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
-    // Coefficients of fractures change within a step, which stages of higher order do not bear.
+    // Coefficients of fractures change within a step, which stages of higher order do not bear; inertia
+    // takes whole steps.
+    let inertia = (scene.mechanics.as_ref()).is_some_and(|mechanics| mechanics.is_dynamic());
+    let whole = scene.fracture_flow.is_some() || inertia;
     let integrator = match scene.time.integrator.value {
-        scene::Integrator::TrBdf2 if scene.fracture_flow.is_none() => Integrator::TrBdf2,
+        scene::Integrator::TrBdf2 if !whole => Integrator::TrBdf2,
         _ => Integrator::BackwardEuler,
     };
     match scene.scheme.name.value {
@@ -53,6 +66,7 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
         },
         coupling_tolerance: scheme.coupling_tolerance.value(),
         coupling_iterations: count(scheme.coupling_iterations),
+        single_pass: scheme.single_pass,
         solid: match scheme.solid {
             scene::SolidMethod::Switched => SolidMethod::Switched,
             scene::SolidMethod::Adr => SolidMethod::Adr,
@@ -61,6 +75,14 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
         adr_tolerance: scheme.adr_tolerance.value(),
         adr_iterations: count(scheme.adr_iterations),
         adr_smoothing: scheme.adr_smoothing.value(),
+    }
+}
+
+pub(super) fn audit(audit: &scene::Audit) -> AuditPlan {
+    AuditPlan {
+        mass: audit.mass.value(),
+        momentum: audit.momentum.value(),
+        energy: audit.energy.value(),
     }
 }
 

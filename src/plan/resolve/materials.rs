@@ -2,8 +2,8 @@
 
 use super::Resolver;
 use crate::material::{Elasticity, storage_coefficient};
-use crate::plan::files::{FileError, read_permeability};
-use crate::plan::types::{FluidPlan, MaterialPlan, PermeabilityPlan};
+use crate::plan::files::{check_length, read_permeability};
+use crate::plan::types::{FluidPlan, GeometryPlan, MaterialPlan, PermeabilityPlan};
 use crate::scene;
 
 impl Resolver<'_> {
@@ -11,9 +11,10 @@ impl Resolver<'_> {
         &mut self,
         name: &str,
         material: &scene::Material,
+        geometry: Option<&GeometryPlan>,
     ) -> Option<MaterialPlan> {
         let permeability = match &material.permeability {
-            Some(field) => Some(self.permeability(field)?),
+            Some(field) => Some(self.permeability(field, geometry)?),
             None => None,
         };
         Some(MaterialPlan {
@@ -28,10 +29,14 @@ impl Resolver<'_> {
         })
     }
 
-    fn permeability(&mut self, field: &scene::PermeabilityField) -> Option<PermeabilityPlan> {
+    fn permeability(
+        &mut self,
+        field: &scene::PermeabilityField,
+        geometry: Option<&GeometryPlan>,
+    ) -> Option<PermeabilityPlan> {
         Some(match field {
             scene::PermeabilityField::Value(value) => PermeabilityPlan::Uniform(value.value()),
-            scene::PermeabilityField::File(file) => self.permeability_file(file)?,
+            scene::PermeabilityField::File(file) => self.permeability_file(file, geometry)?,
             scene::PermeabilityField::Distribution(field) => PermeabilityPlan::LogNormal {
                 median: field.median.value(),
                 log10_std: field.log10_std.value(),
@@ -44,10 +49,25 @@ impl Resolver<'_> {
         })
     }
 
-    fn permeability_file(&mut self, file: &scene::PermeabilityFile) -> Option<PermeabilityPlan> {
+    fn permeability_file(
+        &mut self,
+        file: &scene::PermeabilityFile,
+        geometry: Option<&GeometryPlan>,
+    ) -> Option<PermeabilityPlan> {
         let path = self.loaded.path(&file.file);
         let column = file.column.as_ref().map(|column| column.value.as_str());
-        let read: Result<Vec<f64>, FileError> = read_permeability(&path, column);
+        let cells = geometry.and_then(GeometryPlan::cells);
+        let points = geometry.and_then(GeometryPlan::count);
+        let read = read_permeability(&path, column)
+            .and_then(|table| match geometry {
+                Some(_) => table.in_point_order(&path, cells.as_deref()),
+                // The fault of the geometry is told; its points are not known.
+                None => Ok(table.values),
+            })
+            .and_then(|values| {
+                check_length(&file.file, values.len(), points.unwrap_or(values.len()))?;
+                Ok(values)
+            });
         match read {
             Ok(values) => Some(PermeabilityPlan::Table {
                 path: file.file.value.clone(),

@@ -7,6 +7,7 @@ mod fracture;
 mod geometry;
 mod materials;
 mod mechanics;
+mod shortened;
 #[cfg(test)]
 mod tests;
 
@@ -52,21 +53,28 @@ impl Resolver<'_> {
         let materials: Vec<Option<MaterialPlan>> = scene
             .materials
             .iter()
-            .map(|entry| self.material(&entry.name, &entry.value))
+            .map(|entry| self.material(&entry.name, &entry.value, geometry.as_ref()))
             .collect();
         let solver = self.solver();
         let geometry = geometry?;
         let dimension = geometry.dimension();
+        let thickness = self.thickness(dimension)?;
         let mechanics = match &scene.mechanics {
-            Some(typed) => Some(self.mechanics(typed, dimension)?),
+            Some(typed) => Some(self.mechanics(typed, dimension, thickness)?),
             None => None,
         };
         self.check_cracks(dimension);
-        let time = control::time(&scene.time);
+        let (mut time, mut output) = (
+            control::time(&scene.time, scene.fracture_flow.is_some()),
+            control::output(&scene.output, &scene.time),
+        );
+        let mut damage = fracture::damage(scene, time.end);
+        let cut = shortened::cut_to_end(scene, &mut time, &mut output, damage.as_mut());
         let mut plan = Plan {
             case: case.to_owned(),
             title: scene.title.clone(),
             dimension,
+            thickness,
             geometry,
             horizon: geometry::horizon(scene),
             influence: geometry::influence(scene.horizon.influence),
@@ -75,31 +83,44 @@ impl Resolver<'_> {
             flow: scene.flow.as_deref().map(flow::flow_plan),
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
-            damage: fracture::damage(scene, time.end),
+            damage,
             fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
-            cracks: fracture::cracks(scene),
-            wells: flow::wells(scene),
+            cracks: fracture::cracks(scene, thickness),
+            wells: flow::wells(scene, thickness),
             time,
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),
             solver: solver?,
-            output: control::output(&scene.output, &scene.time),
+            audit: control::audit(&scene.audit),
+            output,
             reference: scene.reference.as_deref().map(control::reference_plan),
             warnings: Vec::new(),
         };
         self.check_reference(&plan);
         self.check_planes(&plan);
-        plan.warnings = warnings(&plan);
+        plan.warnings = cut.into_iter().chain(warnings(&plan)).collect();
         Some(plan)
     }
 
     fn solver(&mut self) -> Option<SolverSpec> {
         let name = &self.loaded.scene.solver.name;
-        match name.value.parse() {
-            Ok(spec) => Some(spec),
-            Err(error) => self.fault::<SolverSpec>(name.span, error),
+        let spec: SolverSpec = match name.value.parse() {
+            Ok(spec) => spec,
+            Err(error) => return self.fault::<SolverSpec>(name.span, error),
+        };
+        let others = spec.unconfined_flags();
+        if others.is_empty() || self.loaded.sources.is_typed(name.span) {
+            return Some(spec);
         }
+        let message = format!(
+            "a scene must not give a solver `{}`, which may read or write files or print",
+            others.join("`, `")
+        );
+        let help = "leave it out here, or give the solver on the command line with --solver";
+        self.faults
+            .push(Diagnostic::new(message).at(name.span).help(help));
+        None
     }
 
     /// A cloud without planes has no sides to put conditions on.
@@ -140,6 +161,12 @@ impl Resolver<'_> {
 /// Doubts about the plan that do not stop it.
 fn warnings(plan: &Plan) -> Vec<String> {
     let mut warnings: Vec<String> = split_doubt(plan).into_iter().collect();
+    if plan.scheme_options.single_pass && matches!(plan.scheme, SchemeChoice::SemiImplicit(_)) {
+        warnings.push(
+            "scheme.single_pass takes the strain of the last step, however flow and mechanics disagree"
+                .to_owned(),
+        );
+    }
     let (Some(flow), Some(gravity)) = (&plan.flow, &plan.gravity) else {
         return warnings;
     };

@@ -32,6 +32,9 @@ pub struct Plan {
     pub title: String,
     /// 2 or 3.
     pub dimension: usize,
+    /// Extent across the plane, m: a plane is computed per metre, and reported as a slab this thick. 1 in
+    /// space.
+    pub thickness: f64,
     /// How the cloud is made.
     pub geometry: GeometryPlan,
     /// How far points see.
@@ -66,6 +69,8 @@ pub struct Plan {
     pub scheme_options: SchemeOptions,
     /// Linear solver.
     pub solver: SolverSpec,
+    /// How well balances must close.
+    pub audit: AuditPlan,
     /// What to write.
     pub output: OutputPlan,
     /// Exact solution to compare with, if any.
@@ -121,6 +126,30 @@ pub enum GeometryPlan {
     },
 }
 
+impl GeometryPlan {
+    /// Points along each axis, where they form a lattice or a tensor grid that can be made.
+    pub fn cells(&self) -> Option<Vec<usize>> {
+        let along = |(axis, segments): (usize, &Vec<Segment>)| {
+            let cells = segments.iter().map(|segment| segment.cells(axis).ok());
+            cells.sum::<Option<usize>>()
+        };
+        match self {
+            Self::Lattice { cells, .. } => Some(cells.clone()),
+            Self::Graded { axes, .. } => axes.iter().enumerate().map(along).collect(),
+            Self::Blocks { .. } | Self::Points { .. } => None,
+        }
+    }
+
+    /// Number of points, where it is known before they are made.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::Points { table, .. } => Some(table.volume.len()),
+            _ => (self.cells()?.into_iter())
+                .try_fold(1_usize, |product, cells| product.checked_mul(cells)),
+        }
+    }
+}
+
 /// The pore fluid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FluidPlan {
@@ -143,6 +172,8 @@ pub struct FlowPlan {
     pub initial_pressure: f64,
     /// Whether the weight of the fluid is added to the initial pressure.
     pub hydrostatic_start: bool,
+    /// Whether pressures below zero are meant.
+    pub suction: bool,
     /// Condition per side, in the order of the sides' numbers.
     pub sides: Vec<SideCondition>,
     /// Prescribed pressures on regions.
@@ -232,7 +263,7 @@ pub struct WellPlan {
     pub name: String,
     /// Position, m.
     pub at: Vec<f64>,
-    /// Full-plane injection rate, m³/s (per metre of thickness in 2-D).
+    /// Full-plane injection rate, m³/s; m²/s per metre of thickness in 2-D.
     pub rate: Load,
     /// Radius λ, m; `None` for Eq. 77.
     pub radius: Option<f64>,
@@ -276,6 +307,17 @@ pub enum StepRule {
     Fixed(f64),
     /// From the error estimate (implicit) or the stability limit (explicit).
     Adaptive,
+}
+
+/// Limits of the balances after every step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AuditPlan {
+    /// Fluid lost or made over all that moved.
+    pub mass: f64,
+    /// Forces out of balance over all forces.
+    pub momentum: f64,
+    /// Energy that comes from nowhere over all that was supplied or stored.
+    pub energy: f64,
 }
 
 /// What to write.

@@ -73,13 +73,15 @@ pub struct SchemeOptions {
     pub coupling_tolerance: f64,
     /// Largest number of those iterations in a step.
     pub coupling_iterations: usize,
+    /// Whether the semi-implicit scheme passes once whatever flow and mechanics disagree by.
+    pub single_pass: bool,
     /// How the solid moves where it has no linear system.
     pub solid: SolidMethod,
     /// Relative imbalance of forces at which dynamic relaxation ends.
     pub adr_tolerance: f64,
     /// Largest number of iterations of dynamic relaxation in a step.
     pub adr_iterations: usize,
-    /// Weight of the newest damping in dynamic relaxation, above 0, up to 1.
+    /// Weight of the newest damping in dynamic relaxation.
     pub adr_smoothing: f64,
 }
 

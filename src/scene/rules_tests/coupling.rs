@@ -153,7 +153,7 @@ fn the_schemes_are_known_and_their_numbers_checked() {
         (
             "relaxation = 0",
             "relaxation = -1",
-            "`relaxation` must not be negative",
+            "`relaxation` must lie between 0 and 10, found -1",
             "-1",
         ),
         (
@@ -165,13 +165,13 @@ fn the_schemes_are_known_and_their_numbers_checked() {
         (
             "coupling_tolerance = 1e-6",
             "coupling_tolerance = 0",
-            "`coupling_tolerance` must be positive",
+            "`coupling_tolerance` must lie between 1e-14 and 0.001, found 0",
             "0",
         ),
         (
             "coupling_iterations = 20",
             "coupling_iterations = 0",
-            "`coupling_iterations` must be at least 1, found 0",
+            "`coupling_iterations` must lie between 1 and 1e6, found 0",
             "0",
         ),
         (
@@ -183,25 +183,25 @@ fn the_schemes_are_known_and_their_numbers_checked() {
         (
             "adr_tolerance = 1e-5",
             "adr_tolerance = 0",
-            "`adr_tolerance` must be positive",
+            "`adr_tolerance` must lie between 1e-14 and 1e-5, found 0",
             "0",
         ),
         (
             "adr_iterations = 1000",
             "adr_iterations = 0",
-            "`adr_iterations` must be at least 1, found 0",
+            "`adr_iterations` must lie between 1 and 1e9, found 0",
             "0",
         ),
         (
             "adr_smoothing = 1",
             "adr_smoothing = 0",
-            "`adr_smoothing` must be positive",
+            "`adr_smoothing` must lie between 0.001 and 1, found 0",
             "0",
         ),
         (
             "adr_smoothing = 1",
             "adr_smoothing = 1.5",
-            "`adr_smoothing` must not be above 1",
+            "`adr_smoothing` must lie between 0.001 and 1, found 1.5",
             "1.5",
         ),
     ]);

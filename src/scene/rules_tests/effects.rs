@@ -32,7 +32,7 @@ fn flow_rules() {
         (
             "operator = \"correspondence\"",
             "hourglass = 0",
-            "`hourglass` must be positive",
+            "`hourglass` must lie between 0.1 and 10, found 0",
             "0",
         ),
         (

@@ -48,6 +48,12 @@ fn geometry_rules() {
             "0",
         ),
         (
+            "seed = 3",
+            "thickness = \"-1 mm\"",
+            "`thickness` must be positive",
+            "\"-1 mm\"",
+        ),
+        (
             "jitter = 0.1",
             "jitter = 0.5",
             "`jitter` must lie between 0 and 0.4, found 0.5",
@@ -134,7 +140,7 @@ fn blocks_rules() {
         (
             "levels = 2",
             "levels = 0",
-            "`levels` must lie between 1 and 12",
+            "`levels` must lie between 1 and 12, found 0",
             "0",
         ),
         (
@@ -195,7 +201,7 @@ fn horizon_rules() {
         (
             "ratio = 2.3",
             "ratio = 0.5",
-            "`ratio` below 1 leaves every point without neighbours",
+            "`ratio` must lie between 1 and 10, found 0.5",
             "0.5",
         ),
         (
@@ -207,7 +213,7 @@ fn horizon_rules() {
         (
             "ratio = 2.3",
             "neighbours = 2",
-            "`neighbours` must be at least 3, found 2",
+            "`neighbours` must lie between 3 and 500, found 2",
             "2",
         ),
         (

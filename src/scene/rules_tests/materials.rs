@@ -84,13 +84,13 @@ fn material_rules() {
         (
             "log10_std = 0.5",
             "log10_std = -1",
-            "`log10_std` must not be negative",
+            "`log10_std` must lie between 0 and 3, found -1",
             "-1",
         ),
         (
             "decades = 4",
             "decades = 0",
-            "`decades` must be positive",
+            "`decades` must lie between 0.001 and 22, found 0",
             "0",
         ),
         (

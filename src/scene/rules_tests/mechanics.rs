@@ -154,7 +154,7 @@ fn mechanics_rules() {
         (
             "hourglass = 0.5",
             "hourglass = 0",
-            "`hourglass` must be positive",
+            "`hourglass` must lie between 0.1 and 10, found 0",
             "0",
         ),
         (

@@ -20,44 +20,26 @@ fn time_rules() {
         (
             "tolerance = 1e-6",
             "safety = 0",
-            "`safety` must be positive",
+            "`safety` must lie between 0.001 and 1, found 0",
             "0",
         ),
         (
             "tolerance = 1e-6",
             "safety = 1.1",
-            "`safety` above 1 goes beyond the stability limit",
+            "`safety` must lie between 0.001 and 1, found 1.1",
             "1.1",
         ),
         (
             "tolerance = 1e-6",
             "max_steps = 0",
-            "`max_steps` must be at least 1, found 0",
+            "`max_steps` must lie between 1 and 1e12, found 0",
             "0",
-        ),
-        (
-            "max_step = 10",
-            "max_step = 1000",
-            "`max_step` is longer than the run",
-            "1000",
-        ),
-        (
-            "max_step = 10",
-            "max_step = 0.01",
-            "`first_step` is longer than `max_step`",
-            "0.1",
         ),
         (
             "first_step = 0.1\nmax_step = 10",
             "step = 0",
             "`step` must be positive",
             "0",
-        ),
-        (
-            "first_step = 0.1\nmax_step = 10",
-            "step = 101",
-            "`step` is longer than the run",
-            "101",
         ),
         (
             "max_step = 10",
@@ -110,12 +92,6 @@ fn solver_and_output_rules() {
         ),
         (
             "times = [0, \"50 s\", 100]",
-            "times = [0, 200]",
-            "the run ends before this output",
-            "200",
-        ),
-        (
-            "times = [0, \"50 s\", 100]",
             "times = [-1]",
             "`times` must not be negative",
             "-1",
@@ -153,7 +129,7 @@ fn solver_and_output_rules() {
         (
             "to = [2, 0.5]",
             "to = [2, 1], points = 1",
-            "`points` must be at least 2, found 1",
+            "`points` must lie between 2 and 1e5, found 1",
             "1",
         ),
         (

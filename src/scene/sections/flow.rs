@@ -7,6 +7,7 @@ use super::sides::{Boundary, Side, check_side};
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::load::Load;
 use crate::scene::quantity::{Number, Pressure, dimension};
+use crate::scene::range::{Range, within};
 use crate::scene::shape::Shape;
 use crate::scene::span::{Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -18,6 +19,7 @@ pub struct Flow {
     /// Discrete operator of the pressure equation.
     pub operator: Operator,
     /// Coefficient of the hourglass term, in units of the mobility.
+    #[schemars(transform = within(&HOURGLASS))]
     pub hourglass: Number,
     /// Gradient of the correspondence operator.
     pub gradient: Spanned<Gradient>,
@@ -25,11 +27,24 @@ pub struct Flow {
     pub initial_pressure: Pressure,
     /// Adds the weight of the fluid to the pressure at the start. Needs `[gravity]`.
     pub hydrostatic_start: Spanned<bool>,
+    /// Whether pressures below zero are meant: suction, or pressures that count from another one than
+    /// zero. Without it the first one is a warning.
+    pub suction: bool,
     /// Conditions on the sides; a side that is not named is sealed.
     pub boundary: Boundary<Condition>,
     /// Prescribed pressure in parts of the domain.
     pub regions: Vec<PressureRegion>,
 }
+
+/// The confined five-spot on 30 × 30 points: root-mean-square error 2.5e-5 of the range at 1, 2.6e-3
+/// at 0.1, 8.5e-3 at 10, but 2.5e-2 at 0.01, 2.7e-2 at 30, and 28 times the range at 1e-6.
+const HOURGLASS: Range = Range {
+    key: "hourglass",
+    low: 0.1,
+    high: 10.0,
+    why: "less lets the pressure alternate from point to point, more stands in the way of flow \
+          (1 cancels the second hop on isotropic families)",
+};
 
 impl Default for Flow {
     fn default() -> Self {
@@ -39,6 +54,7 @@ impl Default for Flow {
             gradient: Spanned::default(),
             initial_pressure: Pressure::si(0.0),
             hydrostatic_start: Spanned::default(),
+            suction: false,
             boundary: Boundary::default(),
             regions: Vec::new(),
         }
@@ -157,13 +173,10 @@ impl Section for Flow {
 
 impl Flow {
     fn check_operator(&self, report: &mut Report) {
+        HOURGLASS.check(self.hourglass, report);
         match self.operator {
-            // Without it the checkerboard pressure costs nothing and the matrix is singular.
-            Operator::Auto | Operator::Correspondence => {
-                report.positive("hourglass", self.hourglass);
-            }
+            Operator::Auto | Operator::Correspondence => {}
             Operator::Bond => {
-                report.not_negative("hourglass", self.hourglass);
                 if self.gradient.value != Gradient::Auto {
                     let fault = Diagnostic::new("the bond operator has no gradient to choose");
                     let fault = fault.at(self.gradient.span);

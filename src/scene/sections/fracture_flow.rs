@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::time::Integrator;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{InversePressure, Number, Permeability, Viscosity};
+use crate::scene::range::{Range, within};
 use crate::scene::span::Span;
 use crate::scene::validate::{Context, Report, Section};
 
@@ -17,19 +18,42 @@ pub struct FractureFlow {
     pub aperture: Aperture,
     /// What the permeability of a fracture stands for.
     pub transmissivity: Transmissivity,
-    /// Damage c₁ up to which rock is intact, above 0.
+    /// Damage c₁ up to which rock is intact.
+    #[schemars(transform = within(&LOWER_THRESHOLD))]
     pub lower_threshold: Number,
-    /// Damage c₂ from which rock is a fracture, above c₁, up to 1.
+    /// Damage c₂ from which rock is a fracture, above c₁.
+    #[schemars(transform = within(&UPPER_THRESHOLD))]
     pub upper_threshold: Number,
     /// Storage in fractures, 1/Pa; that of the rock if absent.
     pub storage: Option<InversePressure>,
-    /// Biot coefficient in fractures, 0 to 1.
+    /// Biot coefficient in fractures.
+    #[schemars(transform = within(&BIOT_COEFFICIENT))]
     pub biot_coefficient: Number,
     /// Viscosity in fractures, Pa s; that of the fluid if absent.
     pub viscosity: Option<Viscosity>,
     /// Permeability of fractures, m²; from their aperture if absent.
     pub permeability: Option<Permeability>,
 }
+
+/// The pumped crack: pressure lower by 0.5 % at 0.01 and 0.4 % at 0.1, the same from 0.3 to 0.99.
+const LOWER_THRESHOLD: Range = Range {
+    key: "lower_threshold",
+    low: 0.01,
+    high: 0.99,
+    why: "rock that is hardly damaged is no fracture, and broken rock is no intact one",
+};
+const UPPER_THRESHOLD: Range = Range {
+    key: "upper_threshold",
+    low: 0.02,
+    high: 1.0,
+    why: "damage ends at 1, and rock that is hardly damaged is no fracture",
+};
+const BIOT_COEFFICIENT: Range = Range {
+    key: "biot_coefficient",
+    low: 0.0,
+    high: 1.0,
+    why: "the pressure of the fluid acts on the rock by no more than all of itself",
+};
 
 impl Default for FractureFlow {
     fn default() -> Self {
@@ -74,7 +98,7 @@ impl Section for FractureFlow {
     fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
         let draft = scene.draft;
         self.check_thresholds(report);
-        report.within("biot_coefficient", self.biot_coefficient, 0.0, 1.0);
+        BIOT_COEFFICIENT.check(self.biot_coefficient, report);
         self.storage
             .into_iter()
             .for_each(|storage| report.positive("storage", storage));
@@ -97,8 +121,8 @@ impl Section for FractureFlow {
 impl FractureFlow {
     fn check_thresholds(&self, report: &mut Report) {
         let (lower, upper) = (self.lower_threshold, self.upper_threshold);
-        report.positive("lower_threshold", lower);
-        report.share("upper_threshold", upper);
+        LOWER_THRESHOLD.check(lower, report);
+        UPPER_THRESHOLD.check(upper, report);
         if lower.value() >= upper.value() && upper.value() > 0.0 {
             let fault = Diagnostic::new("`lower_threshold` must be below `upper_threshold`");
             let typed = [lower.span(), upper.span()];

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Number, values};
+use crate::scene::range::{Range, within};
 use crate::scene::shape::Shape;
 use crate::scene::span::{Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -38,12 +39,16 @@ pub struct Lattice {
     pub points: Option<Spanned<Vec<Spanned<u64>>>>,
     /// Cell edge, m; must divide `size`. Excludes `points`.
     pub spacing: Option<Length>,
-    /// Random shift of the points as a part of the spacing, 0 to 0.4.
+    /// Random shift of the points as a part of the spacing.
+    #[schemars(transform = within(&JITTER))]
     #[serde(default = "zero")]
     pub jitter: Number,
     /// Seed of the random shift.
     #[serde(default)]
     pub seed: u64,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// A tensor grid: each axis is a row of segments.
@@ -54,6 +59,9 @@ pub struct Graded {
     pub origin: Option<Spanned<Vec<Length>>>,
     /// For each axis its segments from low to high.
     pub axes: Spanned<Vec<Spanned<Vec<Segment>>>>,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// A part of an axis.
@@ -90,13 +98,17 @@ pub struct Blocks {
     /// Regions of finer cells.
     #[serde(default)]
     pub refine: Vec<Refinement>,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// A region of finer cells.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
-    /// How many times the cells are halved, 1 to 12.
+    /// How many times the cells are halved.
+    #[schemars(transform = within(&LEVELS))]
     pub levels: Spanned<u64>,
     /// Where.
     pub region: Spanned<Shape>,
@@ -114,6 +126,9 @@ pub struct PointFile {
     /// Accepts volumes that do not fit the bounds or the distances between the points.
     #[serde(default)]
     pub any_volume: bool,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// Corners of a domain whose points come from a file.
@@ -125,6 +140,19 @@ pub struct FileBounds {
     /// Highest corner, m.
     pub max: Spanned<Vec<Length>>,
 }
+
+const JITTER: Range = Range {
+    key: "jitter",
+    low: 0.0,
+    high: 0.4,
+    why: "beyond half a cell points leave their own cells and may meet",
+};
+const LEVELS: Range = Range {
+    key: "levels",
+    low: 1.0,
+    high: 12.0,
+    why: "twelve halvings are a factor of 4096 along each axis",
+};
 
 fn zero() -> Number {
     Number::si(0.0)
@@ -184,6 +212,16 @@ impl Geometry {
             Self::Graded(graded) => Some(graded.axes.len()),
             Self::Blocks(blocks) => Some(blocks.size.len()),
             Self::File(file) => file.bounds.as_ref().map(|bounds| bounds.min.len()),
+        }
+    }
+
+    /// Extent across the plane, m, where it is given.
+    pub fn thickness(&self) -> Option<Length> {
+        match self {
+            Self::Lattice(lattice) => lattice.thickness,
+            Self::Graded(graded) => graded.thickness,
+            Self::Blocks(blocks) => blocks.thickness,
+            Self::File(file) => file.thickness,
         }
     }
 
@@ -250,7 +288,19 @@ impl Section for Geometry {
             Self::Blocks(blocks) => check_blocks(blocks, scene, report),
             Self::File(file) => check_file(file, report),
         }
+        if let Some(thickness) = self.thickness() {
+            report.positive("thickness", thickness);
+            if self.dimension() == Some(3) {
+                report.add(thickness_in_space(thickness.span()));
+            }
+        }
     }
+}
+
+/// The fault of a thickness in three dimensions.
+pub fn thickness_in_space(place: Span) -> Diagnostic {
+    let fault = Diagnostic::new("`thickness` has no meaning in three dimensions").at(place);
+    fault.help("leave it out: the third axis of the domain is its thickness")
 }
 
 fn check_box(
@@ -284,7 +334,7 @@ fn check_lattice(lattice: &Lattice, place: Span, report: &mut Report) {
     if let Some(spacing) = lattice.spacing {
         check_divides(&lattice.size, spacing, report);
     }
-    report.within("jitter", lattice.jitter, 0.0, 0.4);
+    JITTER.check(lattice.jitter, report);
 }
 
 fn check_divides(size: &[Length], spacing: Length, report: &mut Report) {
@@ -341,10 +391,7 @@ fn check_blocks(blocks: &Blocks, scene: &Context<'_>, report: &mut Report) {
     check_divides(&blocks.size, blocks.spacing, report);
     for refinement in &blocks.refine {
         report.shape(&refinement.region, scene);
-        if !(1..=12).contains(&refinement.levels.value) {
-            let message = "`levels` must lie between 1 and 12";
-            report.add(Diagnostic::new(message).at(refinement.levels.span));
-        }
+        LEVELS.check_count(refinement.levels, report);
     }
 }
 

@@ -7,6 +7,7 @@ use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{
     Density, FractureEnergy, InversePressure, Length, Number, Permeability, Pressure,
 };
+use crate::scene::range::{Range, within};
 use crate::scene::shape::Shape;
 use crate::scene::span::{Entry, Named, Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -21,9 +22,11 @@ pub struct Material {
     pub permeability: Option<Spanned<PermeabilityField>>,
     /// Storage s, 1/Pa. Excludes `porosity` and `bulk_modulus`.
     pub storage: Option<InversePressure>,
-    /// Porosity n, 0 to 1.
+    /// Porosity n.
+    #[schemars(transform = within(&POROSITY))]
     pub porosity: Option<Number>,
     /// Biot coefficient α, from the porosity to 1; needed where flow and mechanics are coupled.
+    #[schemars(transform = within(&BIOT_COEFFICIENT))]
     pub biot_coefficient: Option<Number>,
     /// Bulk modulus of the rock, Pa.
     pub bulk_modulus: Option<Pressure>,
@@ -54,7 +57,9 @@ pub enum PermeabilityField {
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PermeabilityFile {
-    /// A `.npy` or `.csv` file, relative to the scene file.
+    /// A `.npy` or `.csv` file, relative to the scene file. On a lattice or graded grid an array may
+    /// have the shape of the grid, with the indices `[ix, iy]` (`[ix, iy, iz]`) from the lowest
+    /// corner; a column or a flat array is in the order of the points (x fastest).
     pub file: Spanned<String>,
     /// Column of a `.csv` file.
     pub column: Option<Spanned<String>>,
@@ -69,8 +74,10 @@ pub struct PermeabilityDistribution {
     /// Median, m².
     pub median: Permeability,
     /// Standard deviation of the decimal logarithm.
+    #[schemars(transform = within(&LOG10_STD))]
     pub log10_std: Number,
     /// Whole range in decades, clipped around the median; not clipped if absent.
+    #[schemars(transform = within(&DECADES))]
     pub decades: Option<Number>,
     /// Correlation length, m; neighbours are independent if absent.
     pub correlation_length: Option<Length>,
@@ -86,6 +93,31 @@ pub enum Distribution {
     /// The logarithm is normally distributed.
     LogNormal,
 }
+
+const POROSITY: Range = Range {
+    key: "porosity",
+    low: 0.0,
+    high: 1.0,
+    why: "it is a share of the volume",
+};
+const BIOT_COEFFICIENT: Range = Range {
+    key: "biot_coefficient",
+    low: 0.0,
+    high: 1.0,
+    why: "the pressure of the fluid acts on the rock by no more than all of itself",
+};
+const LOG10_STD: Range = Range {
+    key: "log10_std",
+    low: 0.0,
+    high: 3.0,
+    why: "at 3 a few thousand points span 22 decades, and doubles carry 16 digits",
+};
+const DECADES: Range = Range {
+    key: "decades",
+    low: 1e-3,
+    high: 22.0,
+    why: "doubles carry 16 digits, so that wider contrasts are lost to rounding",
+};
 
 /// How storage is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,6 +161,10 @@ impl Section for Named<Material> {
                     .help(EXAMPLE),
             );
         }
+        if self.len() > MOST_MATERIALS {
+            let message = format!("at most {MOST_MATERIALS} materials, found {}", self.len());
+            report.add(Diagnostic::new(message).at(place));
+        }
         let mut background = self.iter().filter(|entry| entry.value.region.is_none());
         if let Some(first) = background.next() {
             for second in background {
@@ -152,6 +188,9 @@ impl Section for Named<Material> {
     }
 }
 
+/// Points number their materials by 16 bits, of which one number stands for none.
+const MOST_MATERIALS: usize = u16::MAX as usize - 1;
+
 /// Remedy for a scene without materials.
 pub(super) const EXAMPLE: &str = "add [materials.rock] with `permeability` and `storage`";
 
@@ -173,11 +212,11 @@ fn check_permeability(field: &PermeabilityField, report: &mut Report) {
         }
         PermeabilityField::Distribution(random) => {
             report.positive("median", random.median);
-            report.not_negative("log10_std", random.log10_std);
+            LOG10_STD.check(random.log10_std, report);
             random
                 .decades
                 .into_iter()
-                .for_each(|decades| report.positive("decades", decades));
+                .for_each(|decades| DECADES.check(decades, report));
             let length = random.correlation_length;
             length
                 .into_iter()
@@ -264,10 +303,10 @@ fn check_storage(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Repo
     material
         .porosity
         .into_iter()
-        .for_each(|value| report.within("porosity", value, 0.0, 1.0));
+        .for_each(|value| POROSITY.check(value, report));
     let biot = material.biot_coefficient;
     biot.into_iter()
-        .for_each(|value| report.within("biot_coefficient", value, 0.0, 1.0));
+        .for_each(|value| BIOT_COEFFICIENT.check(value, report));
     if let (Some(porosity), Some(biot)) = (material.porosity, biot)
         && (0.0..porosity.value()).contains(&biot.value())
     {

@@ -1,5 +1,6 @@
 //! The sections of a scene, one file each: what may be typed, and the rules it must keep.
 
+mod audit;
 mod coupling;
 mod cracks;
 mod damage;
@@ -19,6 +20,7 @@ mod solver;
 mod time;
 mod wells;
 
+pub use audit::Audit;
 pub use coupling::Coupling;
 pub use cracks::{Crack, CrackDisc, CrackKind, Injection};
 pub(crate) use cracks::{disc_in_plane, points_in_space};
@@ -29,6 +31,7 @@ pub use flow::{
 };
 pub use fluid::Fluid;
 pub use fracture_flow::{Aperture, FractureFlow, Transmissivity};
+pub(crate) use geometry::thickness_in_space;
 pub use geometry::{
     Blocks, Bounds, FileBounds, Geometry, Graded, Lattice, PointFile, Refinement, Segment,
     SegmentSpacing,

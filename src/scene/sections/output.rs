@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Time, values};
+use crate::scene::range::{Range, within};
 use crate::scene::span::{Named, Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
 
@@ -12,7 +13,7 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Times at which fields are written, s. Excludes `every`.
+    /// Times at which fields are written, s; those after `time.end` are left out. Excludes `every`.
     pub times: Option<Spanned<Vec<Time>>>,
     /// Interval at which fields are written, s. Excludes `times`.
     pub every: Option<Time>,
@@ -61,6 +62,7 @@ pub struct Profile {
     /// End, m.
     pub to: Spanned<Vec<Length>>,
     /// Number of positions, both ends among them.
+    #[schemars(transform = within(&POSITIONS))]
     #[serde(default = "two_hundred")]
     pub points: Spanned<u64>,
 }
@@ -84,12 +86,6 @@ impl Section for Output {
         }
         for time in self.times.iter().flat_map(|times| times.iter()) {
             report.not_negative("times", *time);
-            if let Some(end) = end
-                && time.value() > end.value()
-            {
-                let fault = Diagnostic::new("the run ends before this output").at(time.span());
-                report.add(fault.also(end.span(), "the run ends here"));
-            }
         }
         if let Some(increment) = self.crack_increment {
             report.positive("crack_increment", increment);
@@ -115,8 +111,12 @@ impl Section for Output {
 
 /// Outputs are files: so many of them are a slip of the pen.
 const MOST_OUTPUTS: f64 = 1e5;
-/// Positions along a profile; more than any cloud could resolve.
-const MOST_POSITIONS: u64 = 100_000;
+const POSITIONS: Range = Range {
+    key: "points",
+    low: 2.0,
+    high: 1e5,
+    why: "a line has two ends, and no cloud resolves more places along it",
+};
 
 fn check_count(every: Time, end: Option<Time>, report: &mut Report) {
     let Some(end) = end.filter(|_| every.value() > 0.0) else {
@@ -133,11 +133,7 @@ fn check_count(every: Time, end: Option<Time>, report: &mut Report) {
 fn check_profile(profile: &Profile, scene: &Context<'_>, report: &mut Report) {
     report.position("from", &profile.from, scene);
     report.position("to", &profile.to, scene);
-    report.at_least("points", profile.points, 2);
-    if profile.points.value > MOST_POSITIONS {
-        let message = format!("`points` must be at most {MOST_POSITIONS} along a profile");
-        report.add(Diagnostic::new(message).at(profile.points.span));
-    }
+    POSITIONS.check_count(profile.points, report);
     let (from, to) = (values(&profile.from), values(&profile.to));
     if from.len() != to.len() {
         report.vector("to", &profile.to, Some(from.len()));

@@ -1,0 +1,184 @@
+//! Clouds that are too large to be made for an estimate: their counts and sizes, and a small cloud that
+//! looks like them.
+
+use crate::effects::vector;
+use crate::geometry::generate::{Refinement, check_count, lattice};
+use crate::geometry::{Cloud, Horizon, Shape, Vector};
+use crate::model::ModelError;
+use crate::plan::{GeometryPlan, Plan};
+
+/// Points up to which a cloud is made for an estimate: a lattice of this size is sampled in about
+/// 0.2 s, and one of a million points in a second.
+const MOST_POINTS: f64 = 300_000.0;
+/// Points of the cloud that stands for a larger one.
+const MODEL_POINTS: f64 = 20_000.0;
+
+/// A cloud that is not made.
+pub(super) struct CloudOutline<const D: usize> {
+    /// Number of points.
+    pub count: f64,
+    /// Points along each axis, whole for lattices and tensor grids.
+    along: [f64; D],
+    /// Lowest corner, m.
+    origin: Vector<D>,
+    /// Edges, m.
+    size: Vector<D>,
+    /// Smallest and largest over the mean spacing.
+    spread: [f64; 2],
+    irregular: bool,
+}
+
+/// A small cloud in place of a large one.
+pub(super) struct StandIn<const D: usize> {
+    /// Points of the true domain, for what depends on the place.
+    pub places: Cloud<D>,
+    /// The same points with cells of the true shape, for families.
+    pub cells: Cloud<D>,
+    /// Horizon over these cells.
+    pub horizon: Horizon,
+    /// Spacing of these cells over the true one.
+    pub coarser: f64,
+}
+
+impl<const D: usize> CloudOutline<D> {
+    /// The outline of a plan's cloud if it is too large to be made; `None` for points from a file, which
+    /// are there already.
+    ///
+    /// # Errors
+    /// [`ModelError::Generate`] for more points than can be numbered.
+    pub fn of_large(plan: &Plan) -> Result<Option<Self>, ModelError> {
+        let Some(outline) = Self::of(&plan.geometry) else {
+            return Ok(None);
+        };
+        check_count(outline.count)?;
+        Ok((outline.count > MOST_POINTS).then_some(outline))
+    }
+
+    fn of(geometry: &GeometryPlan) -> Option<Self> {
+        let (origin, size, along, finest) = match geometry {
+            GeometryPlan::Lattice {
+                origin,
+                size,
+                cells,
+                ..
+            } => {
+                let along = std::array::from_fn(|axis| cells[axis] as f64);
+                (vector(origin), vector(size), along, [1.0, 1.0])
+            }
+            GeometryPlan::Graded { origin, axes } => {
+                let cells = geometry.cells()?;
+                let size = Vector::from_fn(|axis, _| axes[axis].iter().map(|s| s.length).sum());
+                let along: [f64; D] = std::array::from_fn(|axis| cells[axis] as f64);
+                let mut spread = [1.0, 1.0];
+                for (axis, segments) in axes.iter().enumerate() {
+                    let mean = size[axis] / along[axis];
+                    let widths = segments.iter().flat_map(|s| [s.first, s.last]);
+                    let (least, most) = widths.fold((mean, mean), |(low, high), width| {
+                        (f64::min(low, width), f64::max(high, width))
+                    });
+                    spread[0] *= (least / mean).powf(1.0 / D as f64);
+                    spread[1] *= (most / mean).powf(1.0 / D as f64);
+                }
+                (vector(origin), size, along, spread)
+            }
+            GeometryPlan::Blocks {
+                origin,
+                size,
+                spacing,
+                refinements,
+            } => {
+                let size: Vector<D> = vector(size);
+                let cells = size.iter().map(|edge| edge / spacing).product::<f64>();
+                let count = cells + refined(refinements, *spacing, &vector(origin), &size);
+                let deepest = refinements.iter().map(|r| r.levels).max().unwrap_or(0);
+                let finer = (count / cells).powf(1.0 / D as f64);
+                let along = std::array::from_fn(|axis| size[axis] / spacing * finer);
+                let spread = [finer / 2.0_f64.powi(deepest as i32), finer];
+                (vector(origin), size, along, spread)
+            }
+            GeometryPlan::Points { .. } => return None,
+        };
+        Some(Self {
+            count: along.iter().product(),
+            irregular: finest != [1.0, 1.0]
+                || matches!(geometry, GeometryPlan::Lattice { jitter, .. } if *jitter > 0.0),
+            along,
+            origin,
+            size,
+            spread: finest,
+        })
+    }
+
+    /// Mean spacing, m.
+    pub fn spacing(&self) -> f64 {
+        (self.size.iter().product::<f64>() / self.count).powf(1.0 / D as f64)
+    }
+
+    /// Smallest and largest spacing, m.
+    pub fn extremes(&self) -> [f64; 2] {
+        self.spread.map(|share| share * self.spacing())
+    }
+
+    /// A small cloud with cells of the same shape in the same domain.
+    ///
+    /// # Errors
+    /// [`ModelError::Generate`].
+    pub fn stand_in(&self, horizon: Horizon) -> Result<StandIn<D>, ModelError> {
+        let coarser = (self.count / MODEL_POINTS).powf(1.0 / D as f64);
+        let cells: [usize; D] =
+            std::array::from_fn(|axis| (self.along[axis] / coarser).round().max(1.0) as usize);
+        let edge = |axis: usize| self.size[axis] / self.along[axis] * coarser;
+        let reach = Vector::from_fn(|axis, _| edge(axis) * cells[axis] as f64);
+        let mut shaped = lattice(self.origin, reach, cells)?;
+        shaped.irregular = self.irregular;
+        Ok(StandIn {
+            places: lattice(self.origin, self.size, cells)?,
+            cells: shaped,
+            horizon: match horizon {
+                Horizon::Radius(radius) => Horizon::Radius(radius * coarser),
+                other => other,
+            },
+            coarser,
+        })
+    }
+}
+
+/// Cells that refinements add to those of the coarsest spacing: an upper estimate, in which regions
+/// count by their bounding boxes and those that overlap count twice.
+fn refined<const D: usize>(
+    refinements: &[Refinement],
+    spacing: f64,
+    origin: &Vector<D>,
+    size: &Vector<D>,
+) -> f64 {
+    let added = |refinement: &Refinement| {
+        let volume = (0..D)
+            .map(|axis| {
+                let [low, high] = extent(&refinement.region, axis);
+                let (start, end) = (origin[axis], origin[axis] + size[axis]);
+                // Cells that the region only touches are refined too.
+                let within = high.min(end) - low.max(start) + 2.0 * spacing;
+                within.clamp(0.0, size[axis])
+            })
+            .product::<f64>();
+        let finer = 2.0_f64.powi(refinement.levels as i32 * D as i32);
+        volume / spacing.powi(D as i32) * (finer - 1.0)
+    };
+    refinements.iter().map(added).sum()
+}
+
+/// Lowest and highest coordinate of a shape along an axis, m.
+fn extent(shape: &Shape, axis: usize) -> [f64; 2] {
+    let endless = [f64::NEG_INFINITY, f64::INFINITY];
+    match shape {
+        Shape::Box { min, max } => [min[axis], max[axis]],
+        Shape::Disc { centre, radius } => [centre[axis] - radius, centre[axis] + radius],
+        Shape::Polygon { vertices } if axis < 2 => {
+            let along = vertices.iter().map(|vertex| vertex[axis]);
+            along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            })
+        }
+        Shape::Polygon { .. } | Shape::HalfPlane { .. } => endless,
+    }
+}

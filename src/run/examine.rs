@@ -1,0 +1,52 @@
+//! What a scene would be refused for, found before it is run: the one answer that `check`, `plan` and
+//! `run` give.
+
+use super::RunError;
+use crate::explain::{Explanation, Memory, explain};
+use crate::model::Model;
+use crate::plan::{Plan, TimeMode};
+use crate::report::Timers;
+use crate::schemes;
+
+/// Bytes of families, gradients and matrices up to which a model is built to be examined: half a
+/// second on one core.
+const MOST_BYTES: u64 = 100_000_000;
+
+/// A plan that a run would begin with.
+#[derive(Debug, Clone)]
+pub struct Examined {
+    /// What it will do and cost; its warnings are those of the plan and of the model.
+    pub explanation: Explanation,
+    /// Whether model and scheme were built; else the answer comes from estimates.
+    pub built: bool,
+}
+
+/// Examines a plan of dimension `D`: estimates what it takes, and builds model and scheme where that
+/// takes no more than about half a second.
+///
+/// # Errors
+/// [`RunError`] as a run would give it at its start.
+pub fn examine<const D: usize>(plan: &Plan) -> Result<Examined, RunError> {
+    let mut explanation = explain::<D>(plan)?;
+    let built = model_bytes(&explanation.memory) <= MOST_BYTES;
+    if built {
+        let model = Model::<D>::build(plan, &mut Timers::default())?;
+        if plan.time.mode == TimeMode::Transient {
+            schemes::build(plan, &model).map_err(|source| RunError::Step {
+                scheme: plan.scheme.name().to_owned(),
+                source,
+                last_output: None,
+            })?;
+        }
+        for warning in model.warnings {
+            if !explanation.warnings.contains(&warning) {
+                explanation.warnings.push(warning);
+            }
+        }
+    }
+    Ok(Examined { explanation, built })
+}
+
+fn model_bytes(memory: &Memory) -> u64 {
+    memory.bonds + memory.gradients + memory.matrices
+}

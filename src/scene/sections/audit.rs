@@ -1,0 +1,58 @@
+//! `[audit]`: how well balances must close.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::scene::quantity::Number;
+use crate::scene::range::{Range, within};
+use crate::scene::span::Span;
+use crate::scene::validate::{Context, Report, Section};
+
+/// Limits of the balances, checked after every step. A step that misses one is cut; where it cannot be cut
+/// the run ends, and what was written until then is kept.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Audit {
+    /// Fluid that may be lost or made, over all that was moved or taken up.
+    #[schemars(transform = within(&MASS))]
+    pub mass: Number,
+    /// Forces that may be left out of balance, over all forces.
+    #[schemars(transform = within(&MOMENTUM))]
+    pub momentum: Number,
+    /// Energy that may come from nowhere, over all that was supplied or stored.
+    #[schemars(transform = within(&ENERGY))]
+    pub energy: Number,
+}
+
+const MASS: Range = limit("mass");
+const MOMENTUM: Range = limit("momentum");
+const ENERGY: Range = limit("energy");
+
+const fn limit(key: &'static str) -> Range {
+    Range {
+        key,
+        low: 1e-10,
+        high: 1.0,
+        why: "sums over many points round off less, and at 1 nothing is checked",
+    }
+}
+
+impl Default for Audit {
+    fn default() -> Self {
+        Self {
+            mass: Number::si(1e-2),
+            momentum: Number::si(1e-2),
+            energy: Number::si(1e-2),
+        }
+    }
+}
+
+impl Section for Audit {
+    const NAME: &'static str = "audit";
+
+    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
+        MASS.check(self.mass, report);
+        MOMENTUM.check(self.momentum, report);
+        ENERGY.check(self.energy, report);
+    }
+}
