@@ -48,6 +48,7 @@ pub fn build_cloud<const D: usize>(
             path,
             table,
             bounds,
+            ..
         } => {
             let cloud = from_table(path, table, bounds.as_ref())?;
             Ok((cloud, Some(table)))
@@ -143,6 +144,7 @@ fn from_table<const D: usize>(
         volume: table.volume.clone(),
         cell,
         irregular: true,
+        filled: false,
     };
     check_inside(path, &cloud)?;
     check_distinct(path, &cloud)?;

@@ -15,7 +15,8 @@ use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 use crate::report::{Flows, Timers};
 
 use super::bands::Bands;
-use super::diffusion::build_operator;
+use super::diffusion::{bond_operator, correspondence};
+use super::operator_choice::ChosenOperator;
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
 use super::{Coupling, ModelError};
@@ -85,7 +86,12 @@ impl<const D: usize> FlowModel<D> {
         let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
         let around = Arc::new(around);
         let mut consistency = None;
-        let operator = build_operator(flow, &around, &one_sided, &mut consistency, warnings)?;
+        let chosen = ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular);
+        warnings.extend(chosen.doubt);
+        let operator = match chosen.bond {
+            true => bond_operator(&around, &one_sided, warnings)?,
+            false => correspondence(flow, &around, &one_sided, &mut consistency, warnings)?,
+        };
         let mobility = points
             .permeability
             .iter()

@@ -8,9 +8,11 @@ mod darcy;
 mod diffusion;
 mod disc;
 mod error;
+mod fit;
 mod flow;
 mod fracture_flow;
 mod level;
+mod operator_choice;
 mod places;
 mod properties;
 mod rounding;
@@ -29,6 +31,7 @@ pub use disc::Disc;
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
+pub use operator_choice::ChosenOperator;
 pub use places::{Faces, Places};
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
@@ -91,6 +94,7 @@ impl<const D: usize> Model<D> {
             return Err(ModelError::NothingToDo);
         }
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
+        fit::check(plan, &cloud)?;
         let cloud = Arc::new(cloud);
         // In parts of a cloud the families that places need are found with it.
         let mut places = match team {
@@ -109,6 +113,7 @@ impl<const D: usize> Model<D> {
         };
         let points = properties::assign(plan, &cloud, table)?;
         let bands = Bands::find(plan, &cloud)?;
+        fit::check_bands(plan, &bands)?;
         let mut warnings = Vec::new();
         warnings.extend(doubtful_width(plan, &families));
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));

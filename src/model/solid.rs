@@ -105,7 +105,7 @@ impl<const D: usize> SolidModel<D> {
         let mut gradient = None;
         if mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes) {
             let (corrected, quality) = consistent_gradient(&around, &Planes::of(&extension))?;
-            warnings.extend(super::diffusion::doubt(&quality));
+            warnings.extend(super::diffusion::doubts(&quality, cloud));
             consistency = Some(quality);
             gradient = Some(corrected);
         }

@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{OutputError, write_atomically};
+use super::{OutputError, manifest, write_atomically};
 
 /// Column names and rows of a history.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -86,6 +86,7 @@ impl History {
         rows.iter()
             .for_each(|row| text.extend_from_slice(number_line(row).as_bytes()));
         write_atomically(path, |writer| writer.write_all(&text))?;
+        manifest::grows(path)?;
         let file = OpenOptions::new()
             .append(true)
             .open(path)

@@ -22,3 +22,5 @@ pub use fracture::Results;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};
 pub use writer::Writer;
+
+pub use perifrac_solvers::Interrupt;

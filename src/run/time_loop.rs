@@ -1,10 +1,9 @@
 //! The time loop.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use perifrac_solvers::Team;
+use perifrac_solvers::{Interrupt, Team};
 
 use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
@@ -59,7 +58,7 @@ pub fn run<const D: usize>(
     plan: &Plan,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     run_with::<D>(plan, None, writer, observer, interrupt)
 }
@@ -74,7 +73,7 @@ pub fn run_with<const D: usize>(
     team: Option<&Arc<dyn Team>>,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     let started = Instant::now();
     let mut timers = Timers::default();
@@ -110,10 +109,10 @@ pub fn run_with<const D: usize>(
         aside: SchemeCounters::default(),
     };
     run.start_volume = run.stored(&run.state);
-    let effort = match plan.time.mode {
-        TimeMode::Steady => run.steady()?,
-        TimeMode::Transient => run.transient()?,
-    };
+    let effort = interrupt.during(|| match plan.time.mode {
+        TimeMode::Steady => run.steady(),
+        TimeMode::Transient => run.transient(),
+    })?;
     let wall = started.elapsed().as_secs_f64();
     run.finish(effort, wall)
 }
@@ -131,7 +130,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) model: Model<D>,
     pub(super) writer: Option<&'a mut Writer>,
     pub(super) observer: &'a mut dyn Observer,
-    pub(super) interrupt: &'a AtomicBool,
+    pub(super) interrupt: &'a Interrupt,
     pub(super) timers: Timers,
     pub(super) warnings: Vec<String>,
     pub(super) start_volume: f64,
@@ -153,6 +152,10 @@ pub(super) struct Run<'a, const D: usize> {
 
 impl<const D: usize> Run<'_, D> {
     fn failed(&self, source: StepError) -> RunError {
+        if source.is_interruption() {
+            let time = self.state.time;
+            return RunError::Interrupted { time };
+        }
         RunError::Step {
             scheme: self.scheme_name.clone(),
             source,
@@ -244,6 +247,10 @@ impl<const D: usize> Run<'_, D> {
             let (balance, report) = match audited {
                 Ok(sound) => sound,
                 Err(error) => {
+                    if error.is_interruption() {
+                        // The state before the step stands, and is written.
+                        self.check_limits()?;
+                    }
                     self.rejections.count(error.reason());
                     if error.is_final() || !control.cut(dt, SMALLEST * plan.time.end) {
                         return Err(self.failed(error));
@@ -308,7 +315,7 @@ impl<const D: usize> Run<'_, D> {
 
     /// Whether the user stopped any of the processes.
     fn is_interrupted(&self) -> bool {
-        let mut stopped = [f64::from(u8::from(self.interrupt.load(Ordering::Relaxed)))];
+        let mut stopped = [f64::from(u8::from(self.interrupt.is_raised()))];
         self.model.share().sum(&mut stopped);
         stopped[0] > 0.5
     }

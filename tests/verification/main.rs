@@ -22,3 +22,5 @@ mod shares;
 mod shelf;
 mod theis;
 mod two_layer;
+mod uniform_flow;
+mod voids;

@@ -20,6 +20,7 @@ pub(super) fn flow_plan(flow: &scene::Flow) -> FlowPlan {
     }
     FlowPlan {
         operator: match flow.operator {
+            scene::Operator::Auto => OperatorChoice::Auto,
             scene::Operator::Correspondence => OperatorChoice::Correspondence,
             scene::Operator::Bond => OperatorChoice::Bond,
         },

@@ -101,6 +101,7 @@ impl Resolver<'_> {
                     path: file.path.value.clone(),
                     table,
                     bounds,
+                    any_volume: file.any_volume,
                 })
             }
         }

@@ -105,10 +105,22 @@ impl Resolver<'_> {
 
     fn solver(&mut self) -> Option<SolverSpec> {
         let name = &self.loaded.scene.solver.name;
-        match name.value.parse() {
-            Ok(spec) => Some(spec),
-            Err(error) => self.fault::<SolverSpec>(name.span, error),
+        let spec: SolverSpec = match name.value.parse() {
+            Ok(spec) => spec,
+            Err(error) => return self.fault::<SolverSpec>(name.span, error),
+        };
+        let others = spec.unconfined_flags();
+        if others.is_empty() || self.loaded.sources.is_typed(name.span) {
+            return Some(spec);
         }
+        let message = format!(
+            "a scene must not give a solver `{}`, which may read or write files or print",
+            others.join("`, `")
+        );
+        let help = "leave it out here, or give the solver on the command line with --solver";
+        self.faults
+            .push(Diagnostic::new(message).at(name.span).help(help));
+        None
     }
 
     /// A cloud without planes has no sides to put conditions on.

@@ -121,6 +121,8 @@ pub enum GeometryPlan {
         table: PointTable,
         /// Boundary planes, if given: smallest and largest corner, m.
         bounds: Option<(Vec<f64>, Vec<f64>)>,
+        /// Whether volumes are believed that do not fit the bounds or the distances of the points.
+        any_volume: bool,
     },
 }
 
@@ -190,6 +192,8 @@ impl FlowPlan {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OperatorChoice {
+    /// By the permeabilities of the points.
+    Auto,
     /// Mobility of the point, gradient and hourglass term.
     Correspondence,
     /// Harmonic mean per bond.

@@ -19,12 +19,14 @@ use crate::plan::{Plan, TimeMode};
 use crate::report::Balance;
 use crate::schemes::{State, StepReport};
 use cracks::Cracks;
+use folder::Hold;
 use fracture::Film;
 use profiles::Profiles;
 
 /// Writes the files of one run into its folder.
 pub struct Writer {
     folder: PathBuf,
+    hold: Hold,
     resolved: String,
     pvd: Option<Pvd>,
     history: Option<History>,
@@ -48,17 +50,16 @@ pub const MOST_ROWS: usize = 100_000;
 impl Writer {
     /// Prepares `folder` for results and the resolved scene.
     ///
-    /// A folder with other things in it is refused. Results of an earlier run stay until this one
-    /// has something to write.
+    /// A folder with other things in it, or into which another run writes, is refused. Results of an
+    /// earlier run stay until this one has something to write; then those files are removed that runs
+    /// wrote and nobody changed since.
     ///
     /// # Errors
     /// [`OutputError`] for a folder that cannot be used.
     pub fn create(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
-        if folder::prepare(folder)?.is_empty() {
-            folder::write_mark(folder, resolved)?;
-        }
         Ok(Writer {
             leads: true,
+            hold: Hold::take(folder, resolved)?,
             ..Self::follow(folder, resolved)
         })
     }
@@ -67,6 +68,7 @@ impl Writer {
     pub fn follow(folder: &Path, resolved: &str) -> Self {
         Writer {
             folder: folder.to_owned(),
+            hold: Hold::follow(folder),
             resolved: resolved.to_owned(),
             pvd: None,
             history: None,
@@ -82,6 +84,11 @@ impl Writer {
         }
     }
 
+    /// Files of the user that stood where the run wrote one of its own, by their new names.
+    pub fn kept(&self) -> Vec<PathBuf> {
+        self.hold.kept()
+    }
+
     /// Folder of the run.
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -95,8 +102,7 @@ impl Writer {
         if !self.leads {
             return Ok(());
         }
-        folder::clear(&self.folder)?;
-        folder::write_mark(&self.folder, &self.resolved)?;
+        self.hold.begin(&self.resolved)?;
         self.rows.columns = super::columns::names::<D>(plan);
         let path = self.folder.join("history.csv");
         self.history = Some(History::create(path, &self.rows.columns)?);
@@ -176,6 +182,7 @@ impl Writer {
         if !plan.output.vtu {
             return Ok(());
         }
+        self.hold.list()?;
         let rank = model.share().partition().map(|own| own.team().rank());
         let path = self.folder.join(piece_name(number, rank));
         fields::write(&path, plan, model, state)

@@ -2,11 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use super::*;
 use crate::plan::resolve;
-use crate::run::run;
+use crate::run::{Interrupt, run};
 use crate::scene::load_str;
 
 /// A block under a load that grows, and nothing else.
@@ -50,7 +49,7 @@ pub fn plan(overrides: &[&str]) -> Plan {
 
 fn write(folder: &Path, overrides: &[&str]) -> Summary {
     let mut writer = Writer::create(folder, "").unwrap();
-    let interrupt = AtomicBool::new(false);
+    let interrupt = Interrupt::default();
     let result = run::<2>(&plan(overrides), Some(&mut writer), &mut (), &interrupt);
     result.unwrap_or_else(|error| panic!("{error}")).0
 }
@@ -59,6 +58,7 @@ fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name != crate::output::LIST)
         .collect();
     names.sort();
     names

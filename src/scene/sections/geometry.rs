@@ -120,8 +120,12 @@ pub struct Refinement {
 pub struct PointFile {
     /// A `.csv` or `.vtu` file, relative to the scene file.
     pub path: Spanned<String>,
-    /// Corners of the domain.
+    /// Corners of the domain. Points are cell centres, half a cell inside; parts without points are
+    /// voids with free surfaces, where nothing pushes and nothing flows through.
     pub bounds: Option<FileBounds>,
+    /// Accepts volumes that do not fit the bounds or the distances between the points.
+    #[serde(default)]
+    pub any_volume: bool,
     /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
     /// thick. Only in two dimensions.
     pub thickness: Option<Length>,
