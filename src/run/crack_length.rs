@@ -157,7 +157,10 @@ mod tests {
         let found = grown(solid, |i| within(i, 0.3), |i| within(i, 0.0));
         let area = |rim: f64| PI * (rim * rim - 0.09) / 4.0;
         let (found, tip) = (faces_of_bands(&model) * found, 1.75 * 0.09);
-        assert!((0.9 * area(0.6)..area(0.6 + tip)).contains(&found), "{found}");
+        assert!(
+            (0.9 * area(0.6)..area(0.6 + tip)).contains(&found),
+            "{found}"
+        );
     }
 
     #[test]
