@@ -174,18 +174,16 @@ impl<const D: usize> Model<D> {
     ) -> Option<Audit> {
         let solid = self.solid.as_ref()?;
         let External { loads, push, scale } = self.external(solid, time, pressure, walls);
+        let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
+        let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         if let Some(answer) = solid.answer(displacement, walls, history) {
-            let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
             solid.subtract_answer(&answer, &mut force);
-            let left: f64 = force.iter().map(|f| f.abs()).sum();
             let held = solid.wall_forces(&answer);
             let elastic = answer.energy(&answer.hourglass);
             let energy = elastic + self.stored_energy(pressure);
-            let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
-            let scale = size(&loads) + size(&push) + size(&held);
             return Some(Audit {
-                unbalanced: left,
-                forces: scale,
+                unbalanced: size(&force),
+                forces: size(&loads) + size(&push) + size(&held),
                 energy,
                 potential: energy - dot(&loads, displacement),
                 elastic,
@@ -193,17 +191,15 @@ impl<const D: usize> Model<D> {
                 held,
             });
         }
-        let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
         let outer = dot(&force, displacement);
         solid.subtract_internal(displacement, walls, &mut force);
         // u·(K u + r w) is what the external forces do less what is left of them.
         let inner = outer - dot(&force, displacement);
         let elastic = 0.5 * (inner + solid.wall_work(displacement, walls));
         let energy = elastic + self.stored_energy(pressure);
-        let left: f64 = force.iter().map(|f| f.abs()).sum();
         let pore = self.coupling.as_ref().map_or(&[][..], |_| pressure);
         Some(Audit {
-            unbalanced: left,
+            unbalanced: size(&force),
             forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),

@@ -112,6 +112,15 @@ impl History {
         self.file.flush().map_err(failed)
     }
 
+    /// Replaces all rows by those of `table`, which has the same columns.
+    ///
+    /// # Errors
+    /// As [`History::create`].
+    pub fn rewrite(&mut self, table: &Table) -> Result<(), OutputError> {
+        *self = Self::start(&self.path, &table.columns, &table.rows)?;
+        Ok(())
+    }
+
     /// Reads a history back. A last line without its newline is the torn end of a killed run and
     /// is left out.
     ///

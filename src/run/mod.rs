@@ -10,6 +10,7 @@ mod fracture;
 mod rejections;
 mod scale;
 mod stops;
+mod suction;
 mod summary;
 mod time_loop;
 mod writer;

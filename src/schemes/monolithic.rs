@@ -63,7 +63,7 @@ impl Monolithic {
             schur_diagonal: Some(&block.schur_diagonal),
             ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
         };
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
         Ok(Monolithic {
             solver,
             chosen,
@@ -149,7 +149,7 @@ impl Monolithic {
         let mut push = vec![0.0; x.displacement.len()];
         coupling.add_push(solid, &x.pressure, &mut push);
         let scale = |values: &[f64]| values.iter().map(|v| v.abs()).sum::<f64>();
-        let force_scale = scale(&known.force) + scale(&push);
+        let driven = scale(&known.force) + scale(&push) + scale(&known.plates);
         let mut force: Vec<f64> = known.force.iter().zip(&push).map(|(f, p)| f + p).collect();
         solid.subtract_internal(&x.displacement, &x.walls, &mut force);
         let content = model.content(&x.displacement, &x.walls);
@@ -167,7 +167,6 @@ impl Monolithic {
             }
         }
         let plates = plate_forces(solid, known, x);
-        let driven = force_scale + scale(&known.plates);
         let unbalanced = scale(&force) + scale(&plates);
         let lost = share(scale(&left), flow_scale);
         Ok(Defect {
@@ -273,7 +272,8 @@ impl<const D: usize> Stage<D> for Monolithic {
             return Ok(());
         }
         self.coefficient = None;
-        self.block.fill(flow_of(model)?, a);
+        let flow = flow_of(model)?;
+        model.timers.time("assembly", || self.block.fill(flow, a));
         self.solver.refresh(self.block.matrix.view())?;
         self.build_border(solid_of(model)?)?;
         self.coefficient = Some(a);

@@ -38,7 +38,7 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
         ("Counters", "counters"),
         ("Seconds per phase", "timers"),
     ] {
-        body += &values(title, &summary[key]);
+        body += &values(title, key, &summary);
     }
     if !scene.is_empty() {
         body += &format!(
@@ -183,9 +183,16 @@ fn image(bytes: &[u8], name: &str) -> String {
 }
 
 /// All numbers below a key, as a table; nothing where there are none.
-fn values(title: &str, value: &Value) -> String {
-    let mut flat = Table::new(title, &["", ""]);
-    flatten("", value, &mut flat.rows);
+/// A table of the figures under a key of a summary, each with its unit where it has one.
+fn values(title: &str, key: &str, summary: &Value) -> String {
+    let mut flat = Table::new(title, &["", "", ""]);
+    flatten("", &summary[key], &mut flat.rows);
+    let units = &summary["units"];
+    for row in &mut flat.rows {
+        let own = units[format!("{key}.{}", row[0])].as_str();
+        let unit = own.or(units[key].as_str()).unwrap_or_default();
+        row.push(unit.to_owned());
+    }
     match flat.rows.is_empty() {
         true => String::new(),
         false => format!("<h2>{}</h2>\n{}", escape(title), table(&flat)),

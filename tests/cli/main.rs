@@ -7,6 +7,7 @@ mod documented;
 mod fault_calls;
 mod fault_domains;
 mod fault_files;
+mod fault_points;
 mod fault_rocks;
 mod fault_runs;
 mod fault_texts;

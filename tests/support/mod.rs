@@ -59,10 +59,7 @@ pub fn probe_values(plan: &Plan) -> Vec<f64> {
     let (_, state) = try_run(plan).unwrap_or_else(|error| panic!("{error}"));
     let model = model::<2>(plan);
     let flow = model.flow.expect("the plan names flow");
-    let probes = model.places.probes.iter();
-    probes
-        .map(|place| flow.pressure_at(&state.pressure, state.time, place))
-        .collect()
+    flow.pressures_at(&state.pressure, state.time, &model.places.probes)
 }
 
 /// The model of a plan.

@@ -57,6 +57,8 @@ struct BiCgStab {
     z: Vec<f64>,
     /// The x with the least residual of the run.
     best: Vec<f64>,
+    /// That residual over the first.
+    least: f64,
     /// Runs so far: where the next shadow comes from.
     runs: u64,
 }
@@ -92,6 +94,14 @@ impl BiCgStab {
         }
     }
 
+    /// Keeps an x whose residual is clearly less than any before.
+    fn keep(&mut self, residual: f64, x: &[f64]) {
+        if residual <= KEPT * self.least {
+            self.least = residual;
+            self.best.copy_from_slice(x);
+        }
+    }
+
     /// Iterates on A d = r from d = 0 and adds `size` d to x.
     fn iterate(
         &mut self,
@@ -102,8 +112,6 @@ impl BiCgStab {
     ) -> Result<End, Cause> {
         let target = pass.target / size;
         let (mut rho, mut alpha, mut omega) = (1.0, 1.0, 1.0);
-        let mut least = 1.0;
-        self.best.copy_from_slice(x);
         self.p.fill(0.0);
         self.v.fill(0.0);
         while *iterations < pass.limit && !interrupted() {
@@ -130,10 +138,7 @@ impl BiCgStab {
             if left <= target {
                 return Ok(End::Reached);
             }
-            if left <= KEPT * least {
-                least = left;
-                self.best.copy_from_slice(x);
-            }
+            self.keep(left, x);
         }
         Ok(End::Limit)
     }
@@ -149,6 +154,7 @@ impl Method for BiCgStab {
             t,
             z,
             best,
+            least: _,
             runs: _,
         } = self;
         for vector in [r, shadow, p, v, t, z, best] {
@@ -160,6 +166,8 @@ impl Method for BiCgStab {
         let size = norm2(pass.residual);
         set_scaled(&mut self.r, 1.0 / size, pass.residual);
         self.cast_shadow(pass.residual, pass.rhs);
+        self.least = f64::INFINITY;
+        self.keep(1.0, x);
         let mut iterations = 0;
         let outcome = self.iterate(&mut pass, size, x, &mut iterations);
         if outcome.is_err() {

@@ -15,9 +15,9 @@ use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd, Table, write_json};
-use crate::plan::Plan;
+use crate::plan::{Plan, TimeMode};
 use crate::report::Balance;
-use crate::schemes::State;
+use crate::schemes::{State, StepReport};
 use cracks::Cracks;
 use folder::Hold;
 use fracture::Film;
@@ -36,13 +36,16 @@ pub struct Writer {
     cracks: Option<Cracks>,
     film: Film,
     outputs: usize,
-    next_row: f64,
+    /// Accepted states so far, the first one included, and of how many one has a row.
+    seen: u64,
+    stride: u64,
+    most_rows: usize,
     /// Whether this is the process that writes what there is once.
     leads: bool,
 }
 
-/// At most this many rows of history, whatever the number of steps.
-const MOST_ROWS: f64 = 2000.0;
+/// Most rows of history: some ten megabytes of text, which every spreadsheet opens.
+pub const MOST_ROWS: usize = 100_000;
 
 impl Writer {
     /// Prepares `folder` for results and the resolved scene.
@@ -74,7 +77,9 @@ impl Writer {
             cracks: None,
             film: Film::default(),
             outputs: 0,
-            next_row: f64::NEG_INFINITY,
+            seen: 0,
+            stride: 1,
+            most_rows: MOST_ROWS,
             leads: false,
         }
     }
@@ -106,7 +111,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Adds a row of history; of very many steps some are left out.
+    /// Adds a row of history; of more than [`MOST_ROWS`] steps rows are left out evenly.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -115,21 +120,51 @@ impl Writer {
         plan: &Plan,
         model: &Model<D>,
         state: &State,
-        step: (f64, usize, Rejections),
+        step: (f64, &StepReport, Rejections),
         balance: &Balance,
         fractures: Option<&Fractures>,
     ) -> Result<(), OutputError> {
-        let skipped = state.time < self.next_row && state.time < plan.time.end;
-        if skipped || !self.leads {
+        if !self.leads {
             return Ok(());
         }
-        self.next_row = state.time + plan.time.end / MOST_ROWS;
+        let last = plan.time.mode == TimeMode::Transient && state.time >= plan.time.end;
+        let kept = self.seen.is_multiple_of(self.stride);
+        self.seen += 1;
+        if !kept && !last {
+            return Ok(());
+        }
         let row = super::columns::row(plan, model, state, step, balance, fractures);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }
         self.rows.rows.push(row);
+        match self.rows.rows.len() > self.most_rows {
+            true => self.thin(),
+            false => Ok(()),
+        }
+    }
+
+    /// Leaves out every second row from the first on, and writes half as many from now on.
+    fn thin(&mut self) -> Result<(), OutputError> {
+        let rows = std::mem::take(&mut self.rows.rows).into_iter();
+        self.rows.rows = rows.step_by(2).collect();
+        self.stride *= 2;
+        if let Some(history) = &mut self.history {
+            history.rewrite(&self.rows)?;
+        }
         Ok(())
+    }
+
+    /// Says so where history.csv does not have all steps.
+    pub fn thinned(&self) -> Option<String> {
+        (self.stride > 1).then(|| {
+            format!(
+                "history.csv has one in {} of the {} steps, evenly, and the last: it holds at most {} rows",
+                self.stride,
+                self.seen - 1,
+                self.most_rows
+            )
+        })
     }
 
     /// Writes the points of this process as VTU.

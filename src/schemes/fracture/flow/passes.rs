@@ -451,8 +451,9 @@ pub fn close<const D: usize>(
     flow.imbalance(at.time, &at.pressure, &mut imbalance);
     let taken = taken(model, old, new)?;
     report.flows = weigh(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
-    let fixed = flow.fixed.iter().map(|fixed| taken[fixed.point]);
-    report.flows.fixed += fixed.sum::<f64>();
+    for fixed in &flow.fixed {
+        report.flows.hold(fixed.load, taken[fixed.point]);
+    }
     report.stored = Some(taken.iter().sum());
     Ok(())
 }
