@@ -27,7 +27,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 #[command(
     after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
                         Precedence: defaults < scene < --set < the other flags.\n\
-                        Exit codes: 0 done, 1 run failed, 2 usage or PETSc not usable, 3 scene, \
+                        Exit codes: 0 done, 1 run failed, 2 usage or no PETSc, 3 scene, \
                         4 not converged, 130 interrupted."
 )]
 struct Cli {

@@ -1,7 +1,7 @@
 //! One run at a time in a folder.
 
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, Write};
+use std::io::{Seek, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,8 +22,10 @@ pub struct FolderLock {
     _file: Option<Flock<File>>,
 }
 
-/// How often to try again where the holder goes away while it is asked for.
+/// How often to try again: a holder that was killed just now takes a moment to go away.
 const TRIES: usize = 10;
+/// Pause between two tries.
+const PAUSE: Duration = Duration::from_millis(50);
 
 impl FolderLock {
     /// Locks a folder that exists.
@@ -44,20 +46,15 @@ impl FolderLock {
                     let _file = Some(file);
                     return Ok(FolderLock { path, _file });
                 }
-                // The holder before removed what is locked now: others would lock another file.
-                Ok(_) => {}
-                Err((_, Errno::EWOULDBLOCK)) => {
-                    if let Some(process) = holder(&path) {
-                        let path = folder.to_owned();
-                        return Err(OutputError::Busy { path, process });
-                    }
-                }
+                // Held, or removed by the holder before: others would lock another file.
+                Ok(_) | Err((_, Errno::EWOULDBLOCK)) => std::thread::sleep(PAUSE),
                 Err(_) => return Ok(FolderLock { path, _file: None }),
             }
-            std::thread::sleep(Duration::from_millis(10));
         }
-        let (path, process) = (folder.to_owned(), 0);
-        Err(OutputError::Busy { path, process })
+        Err(OutputError::Busy {
+            process: holder(&path),
+            path: folder.to_owned(),
+        })
     }
 }
 
@@ -80,11 +77,10 @@ fn name_holder(file: &mut File) -> std::io::Result<()> {
     writeln!(file, "{}", std::process::id())
 }
 
-/// The process that holds the lock, unless it is about to say so or to go away.
-fn holder(path: &Path) -> Option<u32> {
-    let mut text = String::new();
-    File::open(path).ok()?.read_to_string(&mut text).ok()?;
-    text.trim().parse().ok()
+/// The process that holds the lock, as it says itself; 0 if it does not.
+fn holder(path: &Path) -> u32 {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.trim().parse().unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -108,6 +104,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(LOCK), "999999\n").unwrap();
         let _held = FolderLock::take(folder.path()).unwrap();
-        assert_eq!(holder(&folder.path().join(LOCK)), Some(std::process::id()));
+        assert_eq!(holder(&folder.path().join(LOCK)), std::process::id());
     }
 }

@@ -330,11 +330,14 @@ impl StepError {
 
     /// Whether a smaller step cannot help.
     pub fn is_final(&self) -> bool {
+        // Strain that lags without its full counterweight amplifies itself in steps of any length.
+        if let StepError::CouplingDiverged { relaxation, .. } = self {
+            return *relaxation < 1.0;
+        }
         matches!(
             self,
             StepError::Unstable { .. }
                 | StepError::CouplingUnstable { .. }
-                | StepError::CouplingDiverged { .. }
                 | StepError::FractureUnstable { .. }
                 | StepError::Missing { .. }
                 | StepError::Refused { .. }

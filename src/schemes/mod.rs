@@ -21,6 +21,7 @@ mod relaxation;
 mod solid;
 mod stage;
 mod staggered;
+mod stagnation;
 mod state;
 mod steady;
 mod system;

@@ -122,7 +122,8 @@ fn commands(text: &str) -> Vec<String> {
             spans.filter(|span| span.starts_with("perifrac ") && span.matches(' ').count() > 1),
         );
     }
-    found.retain(|line| !words(line).is_empty());
+    // What is left open is the form of a command.
+    found.retain(|line| !words(line).is_empty() && !line.contains('…'));
     found
 }
 
@@ -170,7 +171,7 @@ fn arguments(command: &str) -> Option<(Vec<String>, usize)> {
     panic!("`{command}` is no command of this program: {words:?} {count}");
 }
 
-/// A command with what the table adds to it.
+/// A command with what the table adds to it; keys that it sets itself stay.
 fn shortened(mut all: Vec<String>, used: &mut Vec<&'static str>) -> Vec<String> {
     let typed = all.join(" ");
     for (start, added) in SHORTENED
@@ -178,7 +179,8 @@ fn shortened(mut all: Vec<String>, used: &mut Vec<&'static str>) -> Vec<String> 
         .filter(|(start, _)| typed.starts_with(start))
     {
         used.push(start);
-        for word in added.iter().filter(|word| !typed.contains(*word)) {
+        let key = |word: &str| word.split('=').next().unwrap_or_default().to_owned();
+        for word in added.iter().filter(|word| !typed.contains(&key(word))) {
             if word.contains('=') {
                 all.push("--set".to_owned());
             }

@@ -29,7 +29,7 @@ fn flags_that_reach_files_are_refused_in_a_scene_and_taken_from_the_command_line
             let expected = format!("error: a scene must not give a solver `{named}`");
             assert!(outcome.stderr.starts_with(&expected), "{outcome:?}");
             assert!(
-                outcome.stderr.contains("--> scene.toml:16:8"),
+                outcome.stderr.contains("--> scene.toml:18:8"),
                 "{outcome:?}"
             );
             assert!(outcome.stderr.contains("--solver"), "{outcome:?}");
