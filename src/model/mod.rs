@@ -105,8 +105,12 @@ impl<const D: usize> Model<D> {
             )?),
             None => None,
         };
-        let watched = places.as_ref().map_or(&[][..], |places| &places.points);
-        let families = timers.time("families", || build_families(plan, &cloud, team, watched))?;
+        // Only the leading process writes values between points.
+        let leads = team.is_none_or(|team| team.rank() == 0);
+        let watched = places
+            .as_ref()
+            .map_or_else(Vec::new, |places| places.points(leads));
+        let families = timers.time("families", || build_families(plan, &cloud, team, &watched))?;
         let places = match places.take() {
             Some(places) => places,
             None => Places::find(plan, &cloud, &families.horizon)?,

@@ -23,8 +23,6 @@ pub struct Places<const D: usize> {
     pub profiles: Vec<Vec<Stencil<D>>>,
     /// The places along every crack.
     pub cracks: Vec<Vec<Faces<D>>>,
-    /// Points whose families the values need, in parts of a cloud too.
-    pub points: Vec<usize>,
 }
 
 /// A place on a crack with the points that give the values on either face.
@@ -91,21 +89,25 @@ impl<const D: usize> Places<D> {
             let along = |profile: &Profile| profile.places().iter().map(place).collect();
             places.probes = output.probes.iter().map(|probe| place(&probe.at)).collect();
             places.profiles = output.profiles.iter().map(along).collect();
-            let all = places.probes.iter().chain(places.profiles.iter().flatten());
-            places.points = sources(all);
         }
         let locator = Locator::new(cloud);
         for (crack, own) in cracks(plan).into_iter().zip(&plan.cracks) {
             let faces = faces(plan, &locator, cloud, horizon, (&crack, own))?;
             places.cracks.push(faces);
         }
-        let faces = places
-            .cracks
-            .iter()
-            .flatten()
-            .flat_map(|faces| &faces.sides);
-        places.points.extend(faces.flat_map(|place| &place.nearest));
         Ok(places)
+    }
+
+    /// Points whose families the values need: those on cracks, and those of probes and profiles if they
+    /// are wanted.
+    pub fn points(&self, between: bool) -> Vec<usize> {
+        let faces = self.cracks.iter().flatten().flat_map(|faces| &faces.sides);
+        let mut points: Vec<usize> = faces.flat_map(|place| &place.nearest).copied().collect();
+        if between {
+            let all = self.probes.iter().chain(self.profiles.iter().flatten());
+            points.extend(sources(all));
+        }
+        points
     }
 }
 

@@ -185,7 +185,9 @@ fn each_process_holds_its_part_of_bonds_and_entries() {
             scope.spawn(move || {
                 let share = share::<2>(plan, &member);
                 assert!((entries(&share) / entries(whole) - 0.25).abs() < 0.01);
-                assert!(bonds(&share) / bonds(whole) < 0.30);
+                // The leading one has the families along the diagonal profile too.
+                let most = if member.rank() == 0 { 0.36 } else { 0.30 };
+                assert!(bonds(&share) / bonds(whole) < most);
             });
         }
     });
