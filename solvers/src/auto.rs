@@ -169,6 +169,12 @@ impl LinearSolver for Auto {
         self.chosen()?.solve_to(matrix, rhs, x, tolerance)
     }
 
+    fn is_direct(&self) -> bool {
+        self.chosen
+            .as_ref()
+            .is_some_and(|solver| solver.is_direct())
+    }
+
     fn counters(&self) -> &SolverCounters {
         self.chosen
             .as_ref()
@@ -193,6 +199,7 @@ mod tests {
             dimension: 2,
             solves,
             contrast: 1.0,
+            volume_stiffness: 1.0,
             processes: 1,
         }
     }

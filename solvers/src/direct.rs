@@ -4,12 +4,9 @@ use crate::cholesky::{CholeskyFactor, Kind, Ordering};
 use crate::matrix::rounding_floor;
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, OptionSpec, OptionValue, Options};
-use crate::system::{ACCEPTED_RESIDUAL, Residuals, System};
+use crate::system::{ACCEPTED_RESIDUAL, AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, SolveError, SolveReport, SolverCounters};
 
-/// Largest residual accepted where it is all rounding error of b − A x: large contrasts of the
-/// coefficients do that to exact solutions, but a free body, whose solution is noise, exceeds it.
-const AT_THE_FLOOR: f64 = 1e-3;
 /// Residual above which the solution is refined.
 const REFINE_ABOVE: f64 = 1e-12;
 /// Most steps of refinement.
@@ -189,6 +186,10 @@ impl LinearSolver for Direct {
         }
         self.counters.solves += 1;
         Ok(found.report(refinements))
+    }
+
+    fn is_direct(&self) -> bool {
+        true
     }
 
     fn counters(&self) -> &SolverCounters {

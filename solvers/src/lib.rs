@@ -24,6 +24,7 @@ mod estimate;
 mod faer_ldlt;
 mod faer_llt;
 mod faer_lu;
+mod interrupt;
 mod krylov;
 mod matrix;
 mod ordering;
@@ -46,7 +47,8 @@ pub use auto::{Choice, choose};
 pub use cholesky::predict;
 pub use error::{SolveError, SpecError};
 pub use estimate::{FactorEstimate, Outline};
-pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, multiply, norm2, residual};
+pub use interrupt::{Interrupt, interrupted};
+pub use matrix::{CsrMatrix, CsrView, dot, is_symmetric, magnitude, multiply, norm2, residual};
 pub use ordering::{Permutation, nested_dissection};
 pub use partition::Partition;
 pub use petsc::{
@@ -83,7 +85,8 @@ pub trait LinearSolver: Send {
     /// [`SolveError::IncompletePivot`].
     fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError>;
 
-    /// Solves `matrix · x = rhs`. `matrix` must be the one last given to `refresh`.
+    /// Solves `matrix · x = rhs`. `matrix` must be the one last given to `refresh`, or, for a solver
+    /// that is not [direct](LinearSolver::is_direct), one on the same pattern that differs little.
     ///
     /// `x` holds the initial guess on entry (iterative backends only) and the solution on
     /// return. After an error its content is of no use.
@@ -112,6 +115,11 @@ pub trait LinearSolver: Send {
         x: &mut [f64],
         tolerance: f64,
     ) -> Result<SolveReport, SolveError>;
+
+    /// Whether solutions are those of a factorisation. A direct solver must be refreshed with every
+    /// change of the values; an iterative one also solves with a preconditioner that lags behind them.
+    /// Known once a pattern is analysed.
+    fn is_direct(&self) -> bool;
 
     /// What the solver has done since it was built.
     fn counters(&self) -> &SolverCounters;

@@ -137,6 +137,18 @@ pub fn norm2(a: &[f64]) -> f64 {
     ordered_norm(a.len(), |i| a[i])
 }
 
+/// Σ |a_ij| |x_j| over all stored entries, summed in a fixed order: ε times it is the size of the
+/// rounding errors in A x.
+#[must_use]
+pub fn magnitude(matrix: CsrView<'_>, x: &[f64]) -> f64 {
+    let rows = Rows::new(&matrix);
+    ordered_sum(matrix.rows(), |row| {
+        let (columns, values) = rows.row(row);
+        let pairs = columns.iter().zip(values);
+        pairs.map(|(j, value)| (value * x[*j as usize]).abs()).sum()
+    })
+}
+
 /// Size of the rounding errors no solution can go below: ε ‖ |A||x| + |b| ‖₂ / ‖b‖₂.
 pub(crate) fn rounding_floor(matrix: CsrView<'_>, x: &[f64], b: &[f64]) -> f64 {
     let size = ordered_norm(b.len(), rounding_sizes(&matrix, x, b));

@@ -80,6 +80,9 @@ pub struct Problem<'a> {
     pub solves: usize,
     /// Largest over smallest coefficient, as far as it is known; 1 if it is not.
     pub contrast: f64,
+    /// Largest ratio at a point of the resistance to changes of volume to that to changes of shape,
+    /// (λ + 2μ)/μ of an elastic solid; 1 where it means nothing. Multigrid gets slower with its root.
+    pub volume_stiffness: f64,
     /// Distributed problems: which rows are stored here. Rows of other processes are empty.
     pub partition: Option<&'a Partition>,
 }
@@ -97,6 +100,7 @@ impl<'a> Problem<'a> {
             schur_diagonal: None,
             solves: 1,
             contrast: 1.0,
+            volume_stiffness: 1.0,
             partition: None,
         }
     }

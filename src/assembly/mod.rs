@@ -6,11 +6,14 @@ mod force;
 mod operator;
 mod pattern;
 mod scalar;
+mod uniform_flow;
 
 pub use consistency::{
     Consistency, ConsistencyError, Planes, boundary_layer, consistent_gradient, natural_extension,
+    surface_layer,
 };
 pub use elastic::{Moduli, fill_rows, fill_stiffness};
 pub use operator::ScalarOperator;
 pub use pattern::{Pattern, PatternError, matrix_bytes, row_of};
 pub use scalar::Refill;
+pub use uniform_flow::uniform_flow_error;

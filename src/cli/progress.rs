@@ -51,8 +51,11 @@ impl Observer for Console {
     fn step(&mut self, progress: &Progress) {
         if let Some(bar) = &self.bar {
             bar.set_position((progress.time / progress.end * TICKS as f64) as u64);
+            let passes = progress.passes.map_or(String::new(), |(passes, left)| {
+                format!(", {passes} passes to {left:.0e}")
+            });
             bar.set_message(format!(
-                "t {:.3e} s, Δt {:.2e} s, {} steps, {} rejected, {} iterations",
+                "t {:.3e} s, Δt {:.2e} s, {} steps, {} rejected, {} iterations{passes}",
                 progress.time, progress.dt, progress.steps, progress.rejected, progress.iterations
             ));
         }

@@ -3,6 +3,7 @@
 //! It is spread over the layer at the side as the operator spreads it: a uniform flux is then in
 //! balance with a linear pressure to rounding, whatever the operator.
 
+use super::side_area::acting_area;
 use super::{Context, Effect, EffectError, sides_with};
 use crate::geometry::Side;
 use crate::operators::Parity;
@@ -27,7 +28,7 @@ pub(super) fn build<const D: usize>(
         let SideCondition::Flux(flux) = &flow.sides[side.index()] else {
             continue;
         };
-        let area = areas(context, side);
+        let area = areas(context, side)?;
         let total = area.iter().map(|(_, area)| area).sum();
         effects.push(Box::new(Flux {
             flux: flux.clone(),
@@ -39,8 +40,11 @@ pub(super) fn build<const D: usize>(
 }
 
 /// Area that every point presents to a side: what the operator itself makes of the linear function
-/// normal to the side, for unit mobility, adding up to the side's area.
-fn areas<const D: usize>(context: &Context<'_, D>, side: Side) -> Vec<(u32, f64)> {
+/// normal to the side, for unit mobility, adding up to the area of the side that points touch.
+fn areas<const D: usize>(
+    context: &Context<'_, D>,
+    side: Side,
+) -> Result<Vec<(u32, f64)>, EffectError> {
     let around = context.operator.neighbourhood();
     let (cloud, horizon) = (&around.cloud, &around.families.horizon);
     let normal = |owner: usize, bond: usize| around.bond_vector(owner, bond)[side.axis];
@@ -58,9 +62,10 @@ fn areas<const D: usize>(context: &Context<'_, D>, side: Side) -> Vec<(u32, f64)
     // What is rounding error inside the layer is none of the side's.
     let largest = area.iter().map(|(_, area)| area.abs()).fold(0.0, f64::max);
     area.retain(|(_, area)| area.abs() > 1e-12 * largest);
-    let scale = cloud.domain.area(side) / area.iter().map(|(_, area)| area).sum::<f64>();
+    let found = area.iter().map(|(_, area)| area).sum::<f64>();
+    let scale = acting_area(cloud, side, found)? / found;
     area.iter_mut().for_each(|(_, area)| *area *= scale);
-    area
+    Ok(area)
 }
 
 impl Effect for Flux {

@@ -7,6 +7,7 @@ mod cracks;
 mod flux;
 mod gravity;
 mod injection;
+mod side_area;
 mod solid;
 mod source;
 mod spread;
@@ -114,6 +115,20 @@ pub enum EffectError {
         name: String,
         /// The side.
         side: &'static str,
+    },
+    /// A load on a side that acts on another area than its points touch.
+    #[error(
+        "the points touch {touched:.4e} of side {side} (m, in space m^2), but a load on it would act on \
+         {found:.4e}: a void is within two horizons of the side, or no point reaches it; move the void \
+         or the load, or refine the cloud"
+    )]
+    SideArea {
+        /// The side.
+        side: &'static str,
+        /// What the operator presents to a load, m^(D−1).
+        found: f64,
+        /// What cells touch, m^(D−1).
+        touched: f64,
     },
     /// No broken point is near the place of an injection.
     #[error(

@@ -1,6 +1,7 @@
 //! Loads on the solid: tractions on sides, body forces, weight, initial stress.
 
 use super::cracks::crack_pressures;
+use super::side_area::acting_area;
 use super::{Counted, Effect, EffectError, vector};
 use crate::assembly::{Planes, boundary_layer, natural_extension};
 use crate::geometry::{Matrix, Side, Vector};
@@ -114,6 +115,18 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
     sums.iter().enumerate().map(area).collect()
 }
 
+/// The areas of a side that is loaded.
+fn loaded_side<const D: usize>(elastic: &Elastic<D>, side: Side) -> Result<Vec<f64>, EffectError> {
+    let mut area = side_areas(elastic, side);
+    let cloud = &elastic.around.cloud;
+    let found = area.iter().sum();
+    let acting = acting_area(cloud, side, found)?;
+    if !cloud.filled {
+        area.iter_mut().for_each(|area| *area *= acting / found);
+    }
+    Ok(area)
+}
+
 fn traction<const D: usize>(
     name: &'static str,
     area: &[f64],
@@ -149,7 +162,7 @@ fn tractions<const D: usize>(
     let mut effects = Vec::new();
     for side in Side::all(D) {
         if let Support::Traction(components) = &context.mechanics.sides[side.index()] {
-            let area = side_areas(context.elastic, side);
+            let area = loaded_side(context.elastic, side)?;
             effects.extend(traction::<D>("traction", &area, components));
         }
     }
@@ -172,7 +185,7 @@ fn loaded_area<const D: usize>(
     elastic: &Elastic<D>,
     load: &TractionPlan,
 ) -> Result<Vec<f64>, EffectError> {
-    let mut area = side_areas(elastic, load.side);
+    let mut area = loaded_side(elastic, load.side)?;
     let cloud = &elastic.around.cloud;
     if let Some(region) = &load.region {
         let plane = cloud.domain.plane(load.side);

@@ -3,7 +3,7 @@
 use super::{Reason, reason};
 use crate::geometry::Side;
 use crate::model::Sample;
-use crate::plan::{CrackKind, CrackPlan, Load, MechanicsPlan, OperatorChoice, Plan, Support};
+use crate::plan::{CrackKind, CrackPlan, Load, MechanicsPlan, Plan, Support};
 
 /// Effects of the plan and what in the scene calls for them.
 pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
@@ -157,20 +157,23 @@ fn forces(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Reason> {
 }
 
 /// The diffusion operator.
-pub(super) fn operator(plan: &Plan, sample: &Sample) -> Option<Reason> {
-    let (choice, flow) = (plan.flow.as_ref()?.operator, sample.flow.as_ref()?);
+pub(super) fn operator(sample: &Sample) -> Option<Reason> {
+    let flow = sample.flow.as_ref()?;
+    let chosen = &flow.operator;
     let reach = match flow.second_hop {
         true => "two hops",
-        false if choice == OperatorChoice::Bond => "one hop, harmonic mean per bond",
+        false if chosen.bond => "one hop, harmonic mean per bond",
         false => {
             "one hop: its second hop vanishes on isotropic families with this hourglass factor"
         }
     };
-    let name = match choice {
-        OperatorChoice::Correspondence => "correspondence",
-        OperatorChoice::Bond => "bond",
+    let name = if chosen.bond {
+        "bond"
+    } else {
+        "correspondence"
     };
-    Some(reason(name, format!("{reach}{}", gradient(flow.corrected))))
+    let gradient = gradient(flow.corrected);
+    Some(reason(name, format!("{reach}{gradient}; {}", chosen.why)))
 }
 
 /// The elastic operator.

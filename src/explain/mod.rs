@@ -13,8 +13,9 @@ use serde::Serialize;
 
 pub use text::bytes;
 
-use crate::model::{ModelError, Sample, sample};
+use crate::model::{Model, ModelError, Sample, sample};
 use crate::plan::{Plan, damage_width, width_warning};
+use crate::report::Timers;
 use size::System;
 
 /// The explanation of a plan; printed as text or JSON.
@@ -142,6 +143,7 @@ pub struct Number {
 /// [`ModelError`] as building the model would give.
 pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
     let sample = sample::<D>(plan)?;
+    let built = doubts_of_model::<D>(plan, &sample)?;
     let matrices = size::matrices(plan, &sample);
     let held = matrices.iter().filter(|m| m.name != System::MONOLITHIC);
     let fields = usize::from(sample.flow.is_some()) + D * usize::from(sample.solid.is_some());
@@ -161,7 +163,7 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         horizon: sample.horizon,
         materials: names.zip(sample.per_material.iter().copied()).collect(),
         effects: effects::effects(plan),
-        operator: effects::operator(plan, &sample),
+        operator: effects::operator(&sample),
         elasticity: effects::elasticity(&sample),
         scheme: scheme::scheme(plan),
         bonds: (bonds * sample.points as f64) as u64,
@@ -171,15 +173,35 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         solver: scheme::solver(plan, &sample),
         limits: limits::limits(plan, &sample),
         numbers: numbers::numbers(plan, &sample),
-        warnings: warnings(plan, &sample),
+        warnings: warnings(plan, &sample, built),
     })
 }
 
+/// Points up to which a cloud is built to find what its operators and loads object to.
+const BUILT: usize = 5000;
+
+/// Doubts of the model itself, where points are uneven and few: voids, bounds and moments show there only.
+fn doubts_of_model<const D: usize>(
+    plan: &Plan,
+    sample: &Sample,
+) -> Result<Option<Vec<String>>, ModelError> {
+    if !sample.irregular || sample.points > BUILT {
+        return Ok(None);
+    }
+    let model = Model::<D>::build(plan, &mut Timers::default())?;
+    Ok(Some(model.warnings))
+}
+
 /// Doubts of the plan, and those that need the cloud.
-fn warnings(plan: &Plan, sample: &Sample) -> Vec<String> {
-    let width = (plan.damage.as_ref())
-        .and_then(|damage| width_warning(damage_width(sample.horizon[0], damage), damage));
-    plan.warnings.iter().cloned().chain(width).collect()
+fn warnings(plan: &Plan, sample: &Sample, built: Option<Vec<String>>) -> Vec<String> {
+    let sampled = || {
+        let width = (plan.damage.as_ref())
+            .and_then(|damage| width_warning(damage_width(sample.horizon[0], damage), damage));
+        let operator = (sample.flow.as_ref()).and_then(|flow| flow.operator.doubt.clone());
+        width.into_iter().chain(operator).collect()
+    };
+    let cloud = built.unwrap_or_else(sampled);
+    plan.warnings.iter().cloned().chain(cloud).collect()
 }
 
 fn reason(name: impl Into<String>, why: impl Into<String>) -> Reason {

@@ -175,6 +175,10 @@ pub(super) fn outline(plan: &Plan, sample: &Sample, system: System) -> Outline {
             System::Mechanics => solid,
             System::Flow | System::Monolithic => contrast,
         },
+        volume_stiffness: match (system, &sample.solid) {
+            (System::Flow, _) | (_, None) => 1.0,
+            (_, Some(solid)) => solid.volume_stiffness,
+        },
         processes: 1,
     }
 }

@@ -53,6 +53,9 @@ pub struct Cloud<const D: usize> {
     /// Whether neighbouring cells differ in size or place, so that operators need the
     /// divergence-consistent correction.
     pub irregular: bool,
+    /// Whether the cells are known to fill the domain, as those of generated clouds do; points that
+    /// were read may leave voids.
+    pub filled: bool,
 }
 
 impl<const D: usize> Cloud<D> {

@@ -1,5 +1,7 @@
 //! Places that are no points, and the points nearest to them.
 
+use rayon::prelude::*;
+
 use super::cell_list::CellList;
 use super::{Cloud, Vector};
 
@@ -27,6 +29,37 @@ impl<const D: usize> Place<D> {
 /// Distance up to which points count as near as the nearest one.
 fn limit<const D: usize>(cloud: &Cloud<D>, at: &Vector<D>, nearest: usize) -> f64 {
     (cloud.position[nearest] - at).norm() + 1e-6 * cloud.spacing(nearest)
+}
+
+/// Distance of every point to the nearest other one, shape `(n,)`, m; found from positions alone, as
+/// volumes may be at fault.
+pub fn neighbour_distances<const D: usize>(cloud: &Cloud<D>) -> Vec<f64> {
+    let position = &cloud.position;
+    let Some(first) = position.first() else {
+        return Vec::new();
+    };
+    let (low, high) = (position.iter()).fold((*first, *first), |(l, h), x| (l.inf(x), h.sup(x)));
+    let widest = (high - low).amax();
+    // Of points on a line or in a plane the other edges say nothing.
+    let box_of = (high - low).map(|edge| edge.max(1e-3 * widest)).product();
+    let typical = super::edge(box_of / position.len() as f64, D).max(f64::MIN_POSITIVE);
+    let cells = CellList::new(position, typical);
+    let nearest = |point: usize| {
+        let mut radius = typical;
+        loop {
+            let mut best = f64::INFINITY;
+            cells.within(&position[point], radius, |other, squared| {
+                if other as usize != point {
+                    best = best.min(squared);
+                }
+            });
+            if best.is_finite() || radius > 2.0 * widest {
+                return best.sqrt();
+            }
+            radius *= 2.0;
+        }
+    };
+    (0..position.len()).into_par_iter().map(nearest).collect()
 }
 
 /// Finds many places; pays for its preparation from a few places on.

@@ -16,6 +16,8 @@ mod sampler;
 mod shape;
 mod share;
 mod side;
+mod stencil;
+mod voids;
 
 pub(crate) use cloud::edge;
 pub use cloud::{Cloud, Domain};
@@ -25,11 +27,13 @@ pub use generate::GenerateError;
 pub use horizon::{Horizon, horizons, horizons_in_parts};
 pub use images::{Image, ImageTable};
 pub use influence::Influence;
-pub use locator::{Locator, Place};
+pub use locator::{Locator, Place, neighbour_distances};
 pub use sampler::Sampler;
 pub use shape::Shape;
 pub use share::Share;
 pub use side::Side;
+pub use stencil::{Stencil, Stencils, Term, sources};
+pub use voids::Voids;
 
 /// A position or vector in `D` dimensions, in metres where it is a position.
 pub type Vector<const D: usize> = nalgebra::SVector<f64, D>;

@@ -12,6 +12,11 @@ pub struct Lame {
 }
 
 impl Lame {
+    /// (λ + 2μ)/μ: resistance to changes of volume over that to changes of shape.
+    pub fn volume_stiffness(self) -> f64 {
+        self.lambda / self.mu + 2.0
+    }
+
     /// Stress λ tr(ε) I + 2 μ ε of a strain (plane strain in 2-D), Pa.
     pub fn stress<const D: usize>(self, strain: &Matrix<D>) -> Matrix<D> {
         strain * (2.0 * self.mu) + Matrix::identity() * (self.lambda * strain.trace())

@@ -73,6 +73,7 @@ fn generate<const D: usize>(plan: &Plan) -> Result<(Cloud<D>, Option<&PointTable
             path,
             table,
             bounds,
+            ..
         } => {
             let cloud = from_table(path, table, bounds.as_ref())?;
             Ok((cloud, Some(table)))
@@ -168,6 +169,7 @@ fn from_table<const D: usize>(
         volume: table.volume.clone(),
         cell,
         irregular: true,
+        filled: false,
     };
     check_inside(path, &cloud)?;
     check_distinct(path, &cloud)?;

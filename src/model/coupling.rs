@@ -178,15 +178,19 @@ impl<const D: usize> Model<D> {
             let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
             solid.subtract_answer(&answer, &mut force);
             let left: f64 = force.iter().map(|f| f.abs()).sum();
-            let held: f64 = solid.wall_forces(&answer).iter().map(|f| f.abs()).sum();
-            let energy = answer.energy(&answer.hourglass) + self.stored_energy(pressure);
+            let held = solid.wall_forces(&answer);
+            let elastic = answer.energy(&answer.hourglass);
+            let energy = elastic + self.stored_energy(pressure);
             let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
-            let scale = size(&loads) + size(&push) + held;
+            let scale = size(&loads) + size(&push) + size(&held);
             return Some(Audit {
                 unbalanced: left,
                 forces: scale,
                 energy,
                 potential: energy - dot(&loads, displacement),
+                elastic,
+                loads,
+                held,
             });
         }
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
@@ -194,14 +198,18 @@ impl<const D: usize> Model<D> {
         solid.subtract_internal(displacement, walls, &mut force);
         // u·(K u + r w) is what the external forces do less what is left of them.
         let inner = outer - dot(&force, displacement);
-        let energy =
-            0.5 * (inner + solid.wall_work(displacement, walls)) + self.stored_energy(pressure);
+        let elastic = 0.5 * (inner + solid.wall_work(displacement, walls));
+        let energy = elastic + self.stored_energy(pressure);
         let left: f64 = force.iter().map(|f| f.abs()).sum();
+        let pore = self.coupling.as_ref().map_or(&[][..], |_| pressure);
         Some(Audit {
             unbalanced: left,
             forces: scale,
             energy,
             potential: energy - dot(&loads, displacement) - solid.plate_work(time, walls),
+            elastic,
+            held: solid.internal_wall_force(displacement, walls, pore),
+            loads,
         })
     }
 
@@ -223,7 +231,7 @@ struct External {
 }
 
 /// Balance of forces and energies of a state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Audit {
     /// Forces out of balance, Σ of their absolute values, N.
     pub unbalanced: f64,
@@ -233,4 +241,10 @@ pub struct Audit {
     pub energy: f64,
     /// The energy less the work of the loads that act now, J.
     pub potential: f64,
+    /// Elastic energy, J, without that of the fluid.
+    pub elastic: f64,
+    /// Loads on the displacement, N, shape `(n·D,)`.
+    pub loads: Vec<f64>,
+    /// Forces that hold the walls, N.
+    pub held: Vec<f64>,
 }

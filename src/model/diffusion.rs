@@ -1,55 +1,98 @@
-//! The diffusion operator that a plan chooses.
+//! The diffusion operators, and how far they are to be trusted on a cloud.
 
 use std::sync::Arc;
 
-use crate::assembly::{Consistency, Planes, ScalarOperator, consistent_gradient};
+use crate::assembly::{
+    Consistency, Planes, ScalarOperator, consistent_gradient, uniform_flow_error,
+};
+use crate::geometry::Cloud;
 use crate::operators::{BondConductance, Correspondence, Neighbourhood};
-use crate::plan::{FlowPlan, OperatorChoice};
+use crate::plan::FlowPlan;
 
 use super::ModelError;
 
 /// Share of a family's weights beyond which its correction is not trusted.
 const TRUSTED: f64 = 0.5;
 
-/// A warning if the corrected gradient is not to be trusted.
-pub(super) fn doubt(quality: &Consistency) -> Option<String> {
-    (quality.ratio > TRUSTED).then(|| {
+/// Warnings where the corrected gradient is not what was asked for.
+pub(super) fn doubts<const D: usize>(quality: &Consistency, cloud: &Cloud<D>) -> Vec<String> {
+    let doubtful = (quality.ratio > TRUSTED).then(|| {
         format!(
             "the divergence-consistent correction is {:.0} % of the gradient's own weights \
              somewhere; enlarge the horizon or smooth the grading",
             100.0 * quality.ratio
         )
-    })
+    });
+    let plain = quality.first_plain.map(|first| {
+        format!(
+            "the divergence-consistent correction would exceed the gradient's own weights at {} of \
+             {} points, the first at {:?}: they keep the plain gradient, and column sums are off by \
+             up to {:.1e} of a cell's face; enlarge the horizon or smooth the grading there",
+            quality.plain_families,
+            cloud.len(),
+            cloud.position[first].as_slice(),
+            quality.after
+        )
+    });
+    doubtful.into_iter().chain(plain).collect()
 }
 
-/// Builds the operator of `flow` over the families of `around`.
+/// Error of a uniform flow beyond which the bond operator is warned of, and refused.
+const BOND_WARNED: f64 = 1e-3;
+const BOND_REFUSED: f64 = 1e-1;
+
+/// Builds the bond operator over the families of `around`.
+///
+/// # Errors
+/// [`ModelError::InconsistentBonds`] where a uniform flow would be far off.
+pub(super) fn bond_operator<const D: usize>(
+    around: &Arc<Neighbourhood<D>>,
+    one_sided: &[bool],
+    warnings: &mut Vec<String>,
+) -> Result<Box<dyn ScalarOperator<D>>, ModelError> {
+    let form = BondConductance::new(around.clone());
+    let (uneven, points) = (form.uncorrected(), around.len());
+    let error = uniform_flow_error(&form, one_sided);
+    if error > BOND_REFUSED {
+        return Err(ModelError::InconsistentBonds {
+            error,
+            uneven,
+            points,
+        });
+    }
+    if error > BOND_WARNED {
+        warnings.push(format!(
+            "the bond operator is not consistent on this cloud: a uniform flow is off by {:.1} %, on \
+             jittered clouds at every spacing; use a lattice, or flow.operator = \"correspondence\" \
+             where the permeability is uniform",
+            100.0 * error
+        ));
+    }
+    if uneven > 0 {
+        warnings.push(format!(
+            "the bond operator is not consistent at {uneven} of {points} points (their families are \
+             too uneven for positive weights); compare with flow.operator = \"correspondence\""
+        ));
+    }
+    Ok(Box::new(form))
+}
+
+/// Builds the correspondence operator of `flow` over the families of `around`.
 ///
 /// # Errors
 /// [`ModelError::Consistency`] if the gradient cannot be corrected.
-pub(super) fn build_operator<const D: usize>(
+pub(super) fn correspondence<const D: usize>(
     flow: &FlowPlan,
     around: &Arc<Neighbourhood<D>>,
     one_sided: &[bool],
     consistency: &mut Option<Consistency>,
     warnings: &mut Vec<String>,
 ) -> Result<Box<dyn ScalarOperator<D>>, ModelError> {
-    if flow.operator == OperatorChoice::Bond {
-        let form = BondConductance::new(around.clone());
-        if form.uncorrected() > 0 {
-            warnings.push(format!(
-                "the bond operator is not consistent at {} of {} points (their families are too \
-                 uneven for positive weights); compare with flow.operator = \"correspondence\"",
-                form.uncorrected(),
-                around.len()
-            ));
-        }
-        return Ok(Box::new(form));
-    }
     let correct = flow.corrects_gradient(around.cloud.irregular, around.cloud.domain.planes);
     let mut corrected = None;
     if correct {
         let (gradient, quality) = consistent_gradient(around, &Planes::natural(one_sided))?;
-        warnings.extend(doubt(&quality));
+        warnings.extend(doubts(&quality, &around.cloud));
         *consistency = Some(quality);
         corrected = Some(gradient);
     }

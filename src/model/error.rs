@@ -62,9 +62,49 @@ pub enum ModelError {
         /// A place on it, m.
         at: Vec<f64>,
     },
+    /// A crack that is damaged from the start, away from all points.
+    #[error(
+        "crack \"{name}\" is to be damaged from the start, but no point is within its horizon of it; \
+         move it onto the points"
+    )]
+    EmptyBand {
+        /// Name of the crack.
+        name: String,
+    },
+    /// A probe or profile where no point is.
+    #[error(
+        "{what}.{name}: no point is near {at:?}, so there is no value; move it onto the points or end it \
+         beside the void"
+    )]
+    ProbeOffPoints {
+        /// Probes or profiles.
+        what: &'static str,
+        /// Name in the scene.
+        name: String,
+        /// Position, m.
+        at: Vec<f64>,
+    },
     /// A material's region holds no point.
     #[error("the region of material \"{material}\" holds no point; enlarge it or refine the cloud")]
     EmptyRegion {
+        /// Name of the material.
+        material: String,
+    },
+    /// A material whose points all belong to later materials.
+    #[error(
+        "all points in the region of material \"{material}\" lie in regions of later materials, which \
+         replace it; reorder the materials or change the regions"
+    )]
+    CoveredRegion {
+        /// Name of the material.
+        material: String,
+    },
+    /// A points file that names materials, beside regions.
+    #[error(
+        "the points file names the material of every point, so the region of material \"{material}\" \
+         reaches nothing; remove the region, or the material column of the file"
+    )]
+    UnusedRegion {
         /// Name of the material.
         material: String,
     },
@@ -108,6 +148,21 @@ pub enum ModelError {
     /// The gradient could not be corrected.
     #[error(transparent)]
     Consistency(#[from] ConsistencyError),
+    /// The bond operator on families that are too uneven for it.
+    #[error(
+        "the bond operator is not consistent on this cloud: a uniform flow would be off by {:.0} % \
+         ({uneven} of {points} families are too uneven for positive weights); \
+         use flow.operator = \"correspondence\", or a more even cloud or a larger horizon",
+        100.0 * error
+    )]
+    InconsistentBonds {
+        /// Relative error of the flux.
+        error: f64,
+        /// Families without exact second moment.
+        uneven: usize,
+        /// Points of the cloud.
+        points: usize,
+    },
     /// The matrix is too large.
     #[error(transparent)]
     Pattern(#[from] PatternError),

@@ -151,6 +151,10 @@ fn by_name(plan: &Plan, names: &[String]) -> Result<Vec<u16>, ModelError> {
             .map(|k| k as u16)
             .ok_or_else(|| ModelError::UnknownMaterial { name: name.clone() })
     };
+    if let Some(own) = plan.materials.iter().find(|own| own.region.is_some()) {
+        let material = own.name.clone();
+        return Err(ModelError::UnusedRegion { material });
+    }
     names.iter().map(index).collect()
 }
 
@@ -171,6 +175,13 @@ fn by_region<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<Vec<u16>, 
                 material: plan.name.clone(),
             });
         }
+    }
+    let empty = |(number, own): &(usize, &MaterialPlan)| {
+        own.region.is_some() && !material.contains(&(*number as u16))
+    };
+    if let Some((_, own)) = plan.materials.iter().enumerate().find(empty) {
+        let material = own.name.clone();
+        return Err(ModelError::CoveredRegion { material });
     }
     match material.iter().position(|&m| m == NONE) {
         None => Ok(material),

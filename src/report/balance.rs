@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use super::motion::{Moment, Motion};
+use super::supply::{Ledger, Supply};
+
 /// Cumulative volumes over a run in m^D; rates in m^D/s for a steady state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Balance {
@@ -23,7 +26,14 @@ pub struct Balance {
     /// Largest Σ|f| + Σ|Qᵀp| so far, N.
     #[serde(skip)]
     pub forces: f64,
-    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|; with mechanics.
+    /// Balances of a body with inertia.
+    #[serde(skip)]
+    pub motion: Motion,
+    /// Energy of a body without.
+    #[serde(skip)]
+    pub ledger: Ledger,
+    /// Forces out of balance over all forces, Σ|f| + Σ|Qᵀp|, or a hundredth of the largest so far; with
+    /// inertia over the largest so far, what accelerates the solid included; with mechanics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub momentum: Option<f64>,
     /// Energy of Eq. 73, ½ uᵀKu + ½ pᵀSp, J (per metre of thickness in 2-D); with mechanics.
@@ -32,6 +42,17 @@ pub struct Balance {
     /// The energy less the work of the loads that act now, J: never grows while they are constant.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub potential: Option<f64>,
+    /// Kinetic energy ½ vᵀMv, J; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kinetic: Option<f64>,
+    /// Work of loads, fluid and walls on the solid since the start, J; with inertia.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work: Option<f64>,
+    /// Energy from nowhere over all that was supplied or stored so far. With inertia
+    /// |kinetic + elastic energy − work − both at the start| over the largest energy so far; not measured where
+    /// fluid flows in fractures, whose storage changes with what breaks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
 }
 
 /// Amounts of one step, or rates.
@@ -45,14 +66,27 @@ pub struct Flows {
     pub outflow: Vec<f64>,
     /// In at points of prescribed pressure.
     pub fixed: f64,
+    /// The same per prescribed pressure, in the order of the flow model's loads.
+    pub held: Vec<f64>,
 }
 
 impl Flows {
+    /// Adds what came in at a point of the prescribed pressure `load`.
+    pub fn hold(&mut self, load: usize, amount: f64) {
+        self.fixed += amount;
+        self.held.resize(self.held.len().max(load + 1), 0.0);
+        self.held[load] += amount;
+    }
+
     /// Adds `weight` times other flows.
     pub fn add(&mut self, weight: f64, other: &Flows) {
         self.injected += weight * other.injected;
         self.gross += weight * other.gross;
         self.fixed += weight * other.fixed;
+        let held = self.held.len().max(other.held.len());
+        self.held.resize(held, 0.0);
+        let pairs = self.held.iter_mut().zip(&other.held);
+        pairs.for_each(|(own, o)| *own += weight * o);
         self.outflow.resize(other.outflow.len(), 0.0);
         self.outflow
             .iter_mut()
@@ -85,6 +119,24 @@ impl Balance {
             turnover: self.turnover,
             stored: self.stored,
         }
+    }
+
+    /// Enters the state of a body with inertia; gives the energy from nowhere over the largest so far.
+    pub fn balance_motion(&mut self, now: Moment) -> f64 {
+        let found = self.motion.follow(now);
+        self.momentum = Some(found.momentum);
+        self.kinetic = Some(found.kinetic);
+        self.work = Some(found.work);
+        self.energy_error = Some(found.energy);
+        found.unexplained
+    }
+
+    /// Enters the state of a body without inertia; gives the energy from nowhere over all that was supplied
+    /// or stored.
+    pub fn balance_supply(&mut self, now: Supply) -> f64 {
+        let made = self.ledger.follow(now);
+        self.energy_error = Some(made);
+        made
     }
 
     /// Enters the forces out of balance and all forces, N. Once loads have ended, what they leave is
@@ -148,6 +200,7 @@ mod tests {
             gross: 3.0,
             outflow: vec![1.0, -0.5],
             fixed: 0.5,
+            held: vec![0.5],
         };
         let mut balance = Balance::default();
         balance.add(&flows);

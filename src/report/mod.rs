@@ -2,8 +2,12 @@
 
 mod balance;
 mod counters;
+mod motion;
+mod supply;
 mod timers;
 
 pub use balance::{Balance, Flows, Moved};
 pub use counters::Counters;
+pub use motion::{Balanced, Moment, Motion};
+pub use supply::{Ledger, Supply};
 pub use timers::Timers;

@@ -1,9 +1,11 @@
 //! The audit of a step: what it does to the balances, against the limits of the plan.
 
+use perifrac_solvers::dot;
+
 use super::time_loop::Run;
-use crate::model::Model;
+use crate::model::{Audit, Model};
 use crate::plan::TimeMode;
-use crate::report::Balance;
+use crate::report::{Balance, Moment, Supply};
 use crate::schemes::{Conserved, State, StepError, StepReport};
 
 /// Fluid that rounding may lose, relative to all that the pores hold: the sums of a million steps over a
@@ -30,14 +32,14 @@ impl<const D: usize> Run<'_, D> {
             TimeMode::Steady => 0.0,
         };
         balance.close(stored, rounding);
-        self.measure_mechanics(trial, &mut balance);
+        let conjured = self.measure_mechanics(trial, &mut balance);
         let step = balance.moved().since(&before).error(rounding);
         let limits = &self.plan.audit;
-        let moving = !trial.velocity.is_empty();
-        let forces = balance.momentum.filter(|_| !moving).unwrap_or(0.0);
+        let forces = balance.momentum.unwrap_or(0.0);
         let checks = [
             (Conserved::Mass, balance.mass.max(step), limits.mass),
             (Conserved::Momentum, forces, limits.momentum),
+            (Conserved::Energy, conjured, limits.energy),
         ];
         for (quantity, found, limit) in checks {
             // NaN misses every limit.
@@ -54,8 +56,9 @@ impl<const D: usize> Run<'_, D> {
         Ok(balance)
     }
 
-    /// Enters the balance of forces and the energies of a state.
-    fn measure_mechanics(&self, state: &State, balance: &mut Balance) {
+    /// Enters the balance of forces and the energies of a state; gives the energy that came from nowhere
+    /// over all that was supplied or stored.
+    fn measure_mechanics(&self, state: &State, balance: &mut Balance) -> f64 {
         let State {
             time,
             pressure,
@@ -65,11 +68,19 @@ impl<const D: usize> Run<'_, D> {
             ..
         } = state;
         let audit = (self.model).audit(*time, pressure, displacement, walls, history);
-        if let Some(audit) = &audit {
-            balance.balance_forces(audit.unbalanced, audit.forces);
+        balance.energy = audit.as_ref().map(|audit| audit.energy);
+        balance.potential = audit.as_ref().map(|audit| audit.potential);
+        let Some(audit) = audit else { return 0.0 };
+        match moment(&self.model, state, audit.elastic) {
+            Some(now) => balance.balance_motion(now),
+            None => {
+                balance.balance_forces(audit.unbalanced, audit.forces);
+                match self.plan.fracture_flow {
+                    None => balance.balance_supply(supply(&self.model, state, audit)),
+                    Some(_) => 0.0,
+                }
+            }
         }
-        balance.energy = audit.map(|audit| audit.energy);
-        balance.potential = audit.map(|audit| audit.potential);
     }
 
     /// Fluid content of the pores above that at rest, m^D.
@@ -87,6 +98,65 @@ impl<const D: usize> Run<'_, D> {
         };
         flow.stored(&state.pressure) + strain
     }
+}
+
+/// What the balances need of a body with inertia; nothing without.
+fn moment<const D: usize>(model: &Model<D>, state: &State, elastic: f64) -> Option<Moment> {
+    let solid = model
+        .solid
+        .as_ref()
+        .filter(|solid| !solid.mass.is_empty())?;
+    let external = model.push(state.time, &state.pressure);
+    let mut total = external.clone();
+    solid.subtract_internal(&state.displacement, &state.walls, &mut total);
+    let of_components = solid.mass.iter().flat_map(|mass| [*mass; D]);
+    Some(Moment {
+        time: state.time,
+        mass: of_components.collect(),
+        velocity: state.velocity.clone(),
+        displacement: state.displacement.clone(),
+        external,
+        total,
+        walls: state.walls.clone(),
+        held: solid.internal_wall_force(&state.displacement, &state.walls, &[]),
+        elastic,
+    })
+}
+
+/// What the balance of energy needs of a body without inertia.
+fn supply<const D: usize>(model: &Model<D>, state: &State, audit: Audit) -> Supply {
+    let mut supply = Supply {
+        time: state.time,
+        energy: audit.energy,
+        loads: audit.loads,
+        displacement: state.displacement.clone(),
+        held: audit.held,
+        walls: state.walls.clone(),
+        ..Supply::default()
+    };
+    let Some(flow) = &model.flow else {
+        return supply;
+    };
+    let (time, pressure) = (state.time, &state.pressure);
+    let mut rate = vec![0.0; pressure.len()];
+    flow.rate(time, &mut rate);
+    let sides = flow.walls.iter();
+    let sides = sides.map(|wall| -wall.pressure.at(time) * wall.outflow(time, pressure).0);
+    supply.inflow = dot(&rate, pressure) + sides.sum::<f64>();
+    if !flow.fixed.is_empty() {
+        let content = model.content(&state.displacement, &state.walls);
+        flow.imbalance(time, pressure, &mut rate);
+        let fixed = flow.fixed.iter().map(|fixed| {
+            let i = fixed.point;
+            [
+                pressure[i],
+                flow.capacity[i] * pressure[i] + content[i],
+                rate[i],
+            ]
+        });
+        supply.fixed = fixed.collect();
+    }
+    supply
 }
 
 /// What the pores hold under pressure and by strain, in absolute amounts, m^D.

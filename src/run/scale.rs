@@ -7,7 +7,7 @@
 
 use super::finish::extremes;
 use crate::model::{FlowModel, Model};
-use crate::plan::{MechanicsPlan, Plan, Support};
+use crate::plan::Plan;
 
 /// Errors of the pressure that are rounding, relative to the pressures and stresses that balance each other.
 /// Forces balance to 1e-11 of all forces, so pressures that follow from them carry as much; a body at rest
@@ -32,11 +32,9 @@ impl Scale {
                 noise: 0.0,
             };
         };
-        let pressures = flow.initial.iter().copied().chain(prescribed(flow));
-        let level = pressures.chain(plan.mechanics.iter().flat_map(stresses));
         Scale {
             range: announced(plan, flow),
-            noise: NOISE * level.fold(0.0, |most, value| value.abs().max(most)),
+            noise: NOISE * model.level,
         }
     }
 
@@ -64,14 +62,6 @@ fn changes<const D: usize>(model: &Model<D>, pressure: &[f64]) -> f64 {
     high.max(0.0) - low.min(0.0)
 }
 
-/// All prescribed pressures of the run.
-fn prescribed<const D: usize>(flow: &FlowModel<D>) -> impl Iterator<Item = f64> {
-    let walls = flow.walls.iter().map(|wall| &wall.pressure);
-    walls
-        .chain(&flow.fixed_loads)
-        .flat_map(|load| load.values().iter().copied())
-}
-
 /// Range of the changes that prescribed pressures announce, zero included.
 fn announced<const D: usize>(plan: &Plan, flow: &FlowModel<D>) -> f64 {
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
@@ -97,17 +87,4 @@ fn announced<const D: usize>(plan: &Plan, flow: &FlowModel<D>) -> f64 {
         );
     }
     high - low
-}
-
-/// Stresses that act on the rock or in it.
-fn stresses(mechanics: &MechanicsPlan) -> impl Iterator<Item = f64> + '_ {
-    let sides = mechanics.sides.iter().flat_map(|side| match side {
-        Support::Traction(loads) => &loads[..],
-        _ => &[],
-    });
-    let loads = sides.chain(mechanics.loads.iter().flat_map(|load| &load.traction));
-    let initial = mechanics.initial_stress.iter().flatten().copied();
-    loads
-        .flat_map(|load| load.values().iter().copied())
-        .chain(initial)
 }

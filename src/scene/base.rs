@@ -126,7 +126,6 @@ pub(super) fn misplaced(root: &Node) -> Option<Diagnostic> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::scene::load_file;
 
     const FIRST: &str = "title = \"First\"\n[geometry]\ntype = \"lattice\"\nsize = [1, 1]\npoints = [4, 4]\n\

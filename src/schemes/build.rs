@@ -121,7 +121,9 @@ fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Sche
         }
         SchemeChoice::Explicit => {
             let solid = Box::new(Relaxation::new(options));
-            Box::new(ForwardEuler::coupled(model, solid, &options)?)
+            let name = SolidSolver::<D>::name(&*solid);
+            let passes = Staggered::pointwise(solid, parts, options);
+            Box::new(ForwardEuler::coupled(model, passes, name)?)
         }
         SchemeChoice::SemiImplicit(integrator) => {
             let solid = Box::new(Relaxation::new(options));

@@ -299,6 +299,11 @@ fn remedy(relaxation: f64) -> &'static str {
 }
 
 impl StepError {
+    /// Whether the user stopped the step, which says nothing of the scheme.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, StepError::Solve(SolveError::Interrupted))
+    }
+
     /// What the step did not meet.
     pub fn reason(&self) -> Rejection {
         match self {

@@ -2,20 +2,21 @@
 //! with a solid that follows (Algorithm 3).
 //!
 //! With a solid the strain rate of the last step stands in for the one of this step, and the
-//! fixed-stress term β V (Δp − Δp_last) makes up for the difference. β = 0 is the paper's form, which
-//! diverges where τ = α²/(s(λ+2μ)) > 1.
+//! fixed-stress term β V (Δp − Δp_last) makes up for the difference. Where that is no fair guess, as when a
+//! load begins to act, fields pass again. β = 0 is the paper's form: one pass a step, which diverges where
+//! τ = α²/(s(λ+2μ)) > 1.
 
 use perifrac_solvers::norm2;
 use rayon::prelude::*;
 
+use super::implicit::{close_fixed, weigh};
 use super::quasi_static::growth;
-use super::solid::SolidSolver;
-use super::undrained::undrained;
+use super::stage::{Stage, Target};
 use super::{
-    Scheme, SchemeCounters, State, StepError, StepLimit, StepReport, diffusion_limit, flow_of,
+    Scheme, SchemeCounters, Staggered, State, StepError, StepLimit, StepReport, diffusion_limit,
+    flow_of,
 };
 use crate::model::{FlowModel, Model, exchange};
-use crate::plan::SchemeOptions;
 
 /// Forward Euler.
 pub struct ForwardEuler<const D: usize> {
@@ -27,25 +28,10 @@ pub struct ForwardEuler<const D: usize> {
     constant: bool,
     rate_time: Option<f64>,
     watch: Watch,
-    /// S, or S + β V, per point, m^D/Pa.
+    /// S per point, m^D/Pa; S + β V with a solid.
     storage: Vec<f64>,
-    follower: Option<Follower<D>>,
-}
-
-/// The solid that follows the pressure, and what it did in the last step.
-struct Follower<const D: usize> {
-    solid: Box<dyn SolidSolver<D>>,
-    /// β V per point, m^D/Pa.
-    split: Vec<f64>,
-    last: Option<Lag>,
-    options: SchemeOptions,
-}
-
-/// Pressure change and strain content of a step of `dt` seconds.
-struct Lag {
-    dt: f64,
-    pressure: Vec<f64>,
-    content: Vec<f64>,
+    /// Passes between flow and the solid, if there is one.
+    passes: Option<Staggered<D>>,
 }
 
 /// Watches the imbalance ‖q − L p‖ in the S⁻¹ norm. Stable steps never let it grow by more than the
@@ -53,13 +39,16 @@ struct Lag {
 #[derive(Debug, Default)]
 struct Watch {
     steps: usize,
-    largest: f64,
+    /// Largest imbalance that the loads until now can have caused.
+    bound: f64,
 }
 
 /// Steps between two looks.
 const INTERVAL: usize = 32;
-/// Growth over the largest legitimate imbalance that counts as unstable.
-const UNSTABLE: f64 = 10.0;
+/// Growth over the largest legitimate imbalance that counts as unstable: without a solid none is legitimate.
+const UNSTABLE: f64 = 1.5;
+/// The same with a solid, whose strain drives the pressure as well.
+const UNSTABLE_COUPLED: f64 = 10.0;
 
 impl<const D: usize> ForwardEuler<D> {
     /// Scheme with the stability limit of the flow alone.
@@ -77,31 +66,20 @@ impl<const D: usize> ForwardEuler<D> {
             rate_time: None,
             watch: Watch::default(),
             storage: flow.capacity.clone(),
-            follower: None,
+            passes: None,
         })
     }
 
-    /// Scheme with a solid that follows the pressure.
+    /// Scheme with a solid that follows the pressure, named `solid`.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without flow or coupling.
-    pub fn coupled(
-        model: &Model<D>,
-        solid: Box<dyn SolidSolver<D>>,
-        options: &SchemeOptions,
-    ) -> Result<Self, StepError> {
+    /// [`StepError::Missing`] without flow.
+    pub fn coupled(model: &Model<D>, passes: Staggered<D>, solid: &str) -> Result<Self, StepError> {
         let mut scheme = Self::new(model)?;
-        let coupling = super::coupling_of(model)?;
-        let (split, storage) = coupling.split(options.relaxation, &scheme.storage);
-        scheme.storage = storage;
+        scheme.storage = passes.storage().to_vec();
         scheme.limit = diffusion_limit(flow_of(model)?, &scheme.storage);
-        scheme.name = format!("explicit (forward-euler, {})", solid.name());
-        scheme.follower = Some(Follower {
-            solid,
-            split,
-            options: *options,
-            last: None,
-        });
+        scheme.name = format!("explicit (forward-euler, {solid})");
+        scheme.passes = Some(passes);
         Ok(scheme)
     }
 
@@ -121,8 +99,9 @@ impl<const D: usize> ForwardEuler<D> {
     ) -> Result<(), StepError> {
         self.watch.steps += 1;
         let due = self.watch.steps == 1 || self.watch.steps.is_multiple_of(INTERVAL);
+        let beyond = dt > self.limit.dt * (1.0 + ROUNDING);
         // Beyond the limit, or with a solid, a few steps are enough to ruin everything: look at each.
-        if !due && dt <= self.limit.dt && self.follower.is_none() {
+        if !due && !beyond && self.passes.is_none() {
             return Ok(());
         }
         trial.check()?;
@@ -131,35 +110,64 @@ impl<const D: usize> ForwardEuler<D> {
             .map(|((new, old), storage)| (new - old) * storage.sqrt() / dt)
             .collect();
         let size = norm2(&change);
-        if self.watch.steps == 1 || !self.constant {
-            self.watch.largest = self.watch.largest.max(size);
+        if self.watch.steps == 1 {
+            self.watch.bound = size;
         }
-        // Varying loads raise the imbalance by themselves; only growth beyond reason counts there.
-        let reference = if self.constant { UNSTABLE } else { 1e6 } * self.watch.largest;
-        if size <= reference {
-            return Ok(());
+        if !self.constant {
+            self.watch.bound += self.driven(model, old, trial, dt)?;
         }
-        let growth = size / self.watch.largest;
-        if let Some(follower) = &self.follower {
-            let (flow, coupling) = (flow_of(model)?, super::coupling_of(model)?);
-            return Err(StepError::CouplingUnstable {
-                time: trial.time,
-                growth,
-                relaxation: follower.options.relaxation,
-                strength: coupling.strength(&flow.capacity),
-            });
-        }
-        if dt > self.limit.dt {
-            return Err(StepError::Unstable {
+        let growth = size / self.watch.bound.max(f64::MIN_POSITIVE);
+        match &self.passes {
+            None if beyond && growth > UNSTABLE => Err(StepError::Unstable {
                 time: trial.time,
                 growth,
                 dt,
                 limit: self.limit.dt,
-            });
+            }),
+            Some(passes) if growth > UNSTABLE_COUPLED => {
+                Err(passes.unstable(model, trial.time, growth)?)
+            }
+            _ => Ok(()),
         }
-        Ok(())
+    }
+
+    /// Imbalance that the change of the loads in a step may add, in the S⁻¹ norm.
+    fn driven(
+        &self,
+        model: &Model<D>,
+        old: &State,
+        trial: &State,
+        dt: f64,
+    ) -> Result<f64, StepError> {
+        let flow = flow_of(model)?;
+        let [mut before, mut after] = [(); 2].map(|()| vec![0.0; flow.points()]);
+        for (rate, time) in [(&mut before, old.time), (&mut after, trial.time)] {
+            flow.rate(time, rate);
+            let walls = flow.walls.iter();
+            walls.for_each(|wall| wall.add_rate(time, &old.pressure, rate));
+        }
+        let mut change: Vec<f64> = (after.iter().zip(&before).zip(&self.storage))
+            .map(|((after, before), storage)| (after - before) / storage.sqrt())
+            .collect();
+        let loads = norm2(&change);
+        // A prescribed point moves by itself, and L carries that on by 2/Δt_limit at most.
+        change.fill(0.0);
+        for fixed in &flow.fixed {
+            let own = trial.pressure[fixed.point] - old.pressure[fixed.point];
+            change[fixed.point] = own * self.storage[fixed.point].sqrt();
+        }
+        let fixed = norm2(&change) * (1.0 / dt + 2.0 / self.limit.dt);
+        // Loads on the solid raise the pressure by less than themselves.
+        let solid = match self.passes {
+            Some(_) => model.level * self.storage.iter().sum::<f64>().sqrt() / dt,
+            None => 0.0,
+        };
+        Ok((loads + fixed).max(solid - self.watch.bound))
     }
 }
+
+/// Step over the limit that counts as equal to it.
+const ROUNDING: f64 = 1e-9;
 
 /// p₁ = p₀ + Δt S⁻¹ (q − L p₀) in one pass over the matrix.
 fn advance<const D: usize>(
@@ -185,36 +193,60 @@ fn advance<const D: usize>(
     }
 }
 
-impl<const D: usize> Follower<D> {
-    /// Adds to `pressure` what the strain of the last step would do now.
-    fn predict(&self, storage: &[f64], dt: f64, pressure: &mut [f64]) {
-        let Some(last) = &self.last else { return };
-        let share = dt / last.dt;
-        for (i, p) in pressure.iter_mut().enumerate() {
-            let strain = self.split[i] * last.pressure[i] - last.content[i];
-            *p += share * strain / storage[i];
+impl<const D: usize> ForwardEuler<D> {
+    fn alone(
+        &mut self,
+        flow: &FlowModel<D>,
+        old: &State,
+        dt: f64,
+        trial: &mut State,
+    ) -> StepReport {
+        self.update_rate(flow, old.time);
+        let span = (old.time, dt);
+        advance(
+            flow,
+            &self.storage,
+            &self.rate,
+            span,
+            &old.pressure,
+            &mut trial.pressure,
+        );
+        let mut report = StepReport::default();
+        report.flows.add(dt, &flow.flows(&old.pressure, old.time));
+        for fixed in &flow.fixed {
+            let free = trial.pressure[fixed.point];
+            trial.pressure[fixed.point] = flow.fixed_loads[fixed.load].at(trial.time);
+            let gain = (trial.pressure[fixed.point] - free) * self.storage[fixed.point];
+            report.flows.hold(fixed.load, gain);
         }
+        report
     }
 
-    /// Lets the solid follow; keeps what the step did for the next one.
-    fn follow(
-        &mut self,
+    /// One step with passes between flow and the solid.
+    fn together(
+        &self,
+        passes: &mut Staggered<D>,
         model: &Model<D>,
         old: &State,
         trial: &mut State,
         dt: f64,
-    ) -> Result<usize, StepError> {
-        trial.displacement.copy_from_slice(&old.displacement);
-        trial.walls.copy_from_slice(&old.walls);
-        let iterations = self.solid.equilibrate(model, trial)?;
-        let step = trial.since(old);
-        let content = model.content(&step.displacement, &step.walls);
-        self.last = Some(Lag {
+    ) -> Result<StepReport, StepError> {
+        let flow = flow_of(model)?;
+        let mut report = StepReport::default();
+        let mut imbalance = vec![0.0; flow.points()];
+        flow.imbalance(old.time, &old.pressure, &mut imbalance);
+        let target = Target {
+            base: old,
+            time: old.time + dt,
             dt,
-            content,
-            pressure: step.pressure,
-        });
-        Ok(iterations)
+            slot: 0,
+        };
+        let moved = imbalance.iter().map(|rate| dt * rate).collect();
+        let step = passes.solve(model, target, moved, &mut report)?;
+        trial.set_sum(old, 1.0, &step);
+        report.flows = weigh(flow, &[(dt, &old.pressure, old.time, &imbalance)]);
+        close_fixed(model, flow, &mut report.flows, &step);
+        Ok(report)
     }
 }
 
@@ -237,10 +269,8 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
             .coupling
             .as_ref()
             .is_some_and(|coupling| coupling.undrained_start);
-        match &mut self.follower {
-            Some(follower) if wanted => {
-                undrained(model, &mut *follower.solid, &follower.options, state)
-            }
+        match &mut self.passes {
+            Some(passes) if wanted => Stage::start(passes, model, state),
             _ => Ok(()),
         }
     }
@@ -253,48 +283,34 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
         let model = &*model;
-        let flow = flow_of(model)?;
-        self.update_rate(flow, old.time);
-        let span = (old.time, dt);
-        advance(
-            flow,
-            &self.storage,
-            &self.rate,
-            span,
-            &old.pressure,
-            &mut trial.pressure,
-        );
-        self.products += 1;
         trial.time = old.time + dt;
-        if let Some(follower) = &self.follower {
-            follower.predict(&self.storage, dt, &mut trial.pressure);
-        }
-        let mut flows = crate::report::Flows::default();
-        flows.add(dt, &flow.flows(&old.pressure, old.time));
-        for fixed in &flow.fixed {
-            let free = trial.pressure[fixed.point];
-            trial.pressure[fixed.point] = flow.fixed_loads[fixed.load].at(trial.time);
-            flows.fixed += (trial.pressure[fixed.point] - free) * self.storage[fixed.point];
-        }
-        let mut iterations = 0;
-        if let Some(follower) = &mut self.follower {
-            iterations = follower.follow(model, old, trial, dt)?;
-        }
+        let report = match self.passes.take() {
+            None => self.alone(flow_of(model)?, old, dt, trial),
+            Some(mut passes) => {
+                let outcome = self.together(&mut passes, model, old, trial, dt);
+                self.passes = Some(passes);
+                outcome?
+            }
+        };
+        self.products += 1;
         self.check(model, old, trial, dt)?;
         Ok(StepReport {
             growth: growth(model, old, trial),
-            stored: None,
-            iterations,
-            error: None,
-            flows,
+            ..report
         })
+    }
+
+    fn accept(&mut self) {
+        if let Some(passes) = &mut self.passes {
+            Stage::accept(passes);
+        }
     }
 
     fn counters(&self) -> SchemeCounters {
         let mut counters = self
-            .follower
+            .passes
             .as_ref()
-            .map_or_else(SchemeCounters::default, |f| f.solid.counters());
+            .map_or_else(SchemeCounters::default, Stage::counters);
         counters.products += self.products;
         counters
     }

@@ -3,11 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 use perifrac_solvers::{
     Coordinates, Demand, LinearSolver, NearNullspace, Outline, Problem, SolverSpec, Symmetry,
-    choose,
+    choose, norm2,
 };
 
+use super::timed::TimedSolver;
 use super::{SchemeCounters, State, StepError, solid_of};
 use crate::model::{Model, SolidModel};
+use crate::report::Timers;
 
 /// Brings the solid to equilibrium.
 pub trait SolidSolver<const D: usize>: Send {
@@ -37,6 +39,8 @@ pub struct Assembled {
     solver: Box<dyn LinearSolver>,
     chosen: Chosen,
     border: Border,
+    /// Largest forces so far, Σ of absolutes, N.
+    largest: f64,
     newton: u64,
     refilled: Option<u64>,
 }
@@ -45,9 +49,13 @@ pub struct Assembled {
 const BALANCED: f64 = 1e-11;
 /// The same where not even one solve would change anything.
 const ROUNDING: f64 = 1e-17;
-/// Forces out of balance beyond which a solution is refused: what the residual of a nearly
-/// incompressible solid in double precision leaves.
+/// Forces out of balance beyond which a solution is refused, unless they are all rounding errors.
 const ACCEPTED: f64 = 1e-7;
+/// Share of the largest force so far that still counts as a scale: rounding errors outlast loads.
+const REMEMBERED: f64 = 1e-2;
+/// Last correction, relative to the displacement, up to which rounding errors of the forces are no
+/// harm: it is the error of the solve before.
+const SETTLED: f64 = 1e-6;
 const MOST_NEWTON: usize = 6;
 
 impl Assembled {
@@ -58,11 +66,12 @@ impl Assembled {
     pub fn new<const D: usize>(demand: &Demand, solid: &SolidModel<D>) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
         let problem = mechanics_problem(solid, &coordinates, demand.solves);
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &solid.timers)?;
         Ok(Assembled {
             solver,
             chosen,
             border: Border::default(),
+            largest: 0.0,
             newton: 0,
             refilled: None,
         })
@@ -108,6 +117,7 @@ pub fn mechanics_problem<'a, const D: usize>(
         partition: solid.share().partition(),
         solves,
         contrast: ratio(solid.elastic.lame.iter().map(|lame| lame.mu)),
+        volume_stiffness: volume_stiffness(solid),
         coordinates: Some(Coordinates {
             dimension: D,
             values: coordinates,
@@ -117,16 +127,27 @@ pub fn mechanics_problem<'a, const D: usize>(
     }
 }
 
+/// Largest (λ + 2μ)/μ of all points.
+pub fn volume_stiffness<const D: usize>(solid: &SolidModel<D>) -> f64 {
+    let ratios = solid
+        .elastic
+        .lame
+        .iter()
+        .map(|lame| lame.volume_stiffness());
+    ratios.fold(1.0, f64::max)
+}
+
 /// A linear solver and why it was chosen.
 pub type Chosen = (String, String);
 
-/// Builds the solver of a spec for a problem; `auto` is chosen by the problem.
+/// Builds the solver of a spec for a problem, timed by `timers`; `auto` is chosen by the problem.
 ///
 /// # Errors
 /// [`StepError`] if the solver is refused.
 pub fn build_solver(
     spec: &SolverSpec,
     problem: &Problem<'_>,
+    timers: &Timers,
 ) -> Result<(Box<dyn LinearSolver>, Chosen), StepError> {
     let (spec, reason) = match spec.name() {
         "auto" => {
@@ -135,9 +156,9 @@ pub fn build_solver(
         }
         _ => (spec.clone(), "asked for".to_owned()),
     };
-    let mut solver = spec.build()?;
+    let mut solver = TimedSolver::new(spec.build()?, timers.clone());
     solver.analyse(problem)?;
-    Ok((solver, (spec.to_string(), reason)))
+    Ok((Box::new(solver), (spec.to_string(), reason)))
 }
 
 /// Largest over smallest of positive numbers; 1 without any.
@@ -169,50 +190,28 @@ impl<const D: usize> SolidSolver<D> for Assembled {
         self.prepare(solid)?;
         solid.place_walls(state.time, &mut state.walls);
         let mut iterations = 0;
-        let mut last = f64::INFINITY;
-        for _ in 0..MOST_NEWTON {
-            let (force, mut scale) = model.unbalanced(
-                state.time,
-                &state.pressure,
-                &state.displacement,
-                &state.walls,
-                &state.history,
-            );
-            let plates = self.plate_forces(model, solid, state);
-            scale += solid.drive(state.time);
-            let sum: f64 = force.iter().chain(&plates).map(|f| f.abs()).sum();
-            // NaN must not pass for equilibrium.
-            let left = if sum.is_nan() { f64::INFINITY } else { sum };
-            let settled = left <= BALANCED * scale && iterations > 0;
-            if settled
-                || left <= ROUNDING * scale
-                || (left >= 0.25 * last && left <= ACCEPTED * scale)
-            {
+        let (mut last, mut moved) = (f64::INFINITY, f64::INFINITY);
+        for pass in 0..=MOST_NEWTON {
+            let at = self.imbalance(model, solid, state);
+            let (left, scale) = (at.left, at.scale);
+            if (left <= BALANCED * scale && pass > 0) || left <= ROUNDING * scale {
                 return Ok(iterations);
             }
-            if left >= 0.25 * last {
-                return Err(StepError::NoEquilibrium {
-                    time: state.time,
-                    residual: left / scale,
-                    iterations,
-                });
+            if left >= 0.25 * last || pass == MOST_NEWTON {
+                let rounding = || solid.rounding(&state.displacement, &state.walls);
+                return match left <= ACCEPTED * scale || (moved <= SETTLED && left <= rounding()) {
+                    true => Ok(iterations),
+                    false => Err(StepError::NoEquilibrium {
+                        time: state.time,
+                        residual: left / scale,
+                        iterations,
+                    }),
+                };
             }
             last = left;
-            let mut change = vec![0.0; force.len()];
-            iterations += 1 + self
-                .solver
-                .solve(solid.matrix(), &force, &mut change)?
-                .iterations;
-            self.newton += 1;
-            let moved = self.border.close(&mut change, &plates);
-            state
-                .displacement
-                .iter_mut()
-                .zip(&change)
-                .for_each(|(u, c)| *u += c);
-            for (plate, by) in solid.plates().into_iter().zip(moved) {
-                state.walls[plate] += by;
-            }
+            let (inner, change) = self.correct(solid, at, state)?;
+            iterations += 1 + inner;
+            moved = norm2(&change) / norm2(&state.displacement).max(f64::MIN_POSITIVE);
         }
         Ok(iterations)
     }
@@ -234,7 +233,64 @@ impl<const D: usize> SolidSolver<D> for Assembled {
     }
 }
 
+/// Forces out of balance at a state.
+struct Imbalance {
+    /// On the points, N.
+    force: Vec<f64>,
+    /// On the plates, N.
+    plates: Vec<f64>,
+    /// Σ of absolutes; infinite where it is no number.
+    left: f64,
+    /// Σ of all forces, N.
+    scale: f64,
+}
+
 impl Assembled {
+    fn imbalance<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        solid: &SolidModel<D>,
+        state: &State,
+    ) -> Imbalance {
+        let (force, scale) = model.unbalanced(
+            state.time,
+            &state.pressure,
+            &state.displacement,
+            &state.walls,
+            &state.history,
+        );
+        let plates = self.plate_forces(model, solid, state);
+        let sum: f64 = force.iter().chain(&plates).map(|f| f.abs()).sum();
+        let scale = scale + solid.drive(state.time);
+        self.largest = self.largest.max(scale);
+        Imbalance {
+            force,
+            plates,
+            // NaN must not pass for equilibrium.
+            left: if sum.is_nan() { f64::INFINITY } else { sum },
+            scale: scale.max(REMEMBERED * self.largest),
+        }
+    }
+
+    /// Moves a state by what balances its forces; gives the iterations and how far points moved, m.
+    fn correct<const D: usize>(
+        &mut self,
+        solid: &SolidModel<D>,
+        at: Imbalance,
+        state: &mut State,
+    ) -> Result<(usize, Vec<f64>), StepError> {
+        let mut change = vec![0.0; at.force.len()];
+        let solved = self.solver.solve(solid.matrix(), &at.force, &mut change)?;
+        self.newton += 1;
+        let moved = self.border.close(&mut change, &at.plates);
+        let pairs = state.displacement.iter_mut().zip(&change);
+        pairs.for_each(|(u, c)| *u += c);
+        for (plate, by) in solid.plates().into_iter().zip(moved) {
+            state.walls[plate] += by;
+        }
+        Ok((solved.iterations, change))
+    }
+
     fn plate_forces<const D: usize>(
         &self,
         model: &Model<D>,

@@ -19,7 +19,7 @@ use crate::plan::{Acceleration, SchemeOptions};
 /// last step.
 pub struct Staggered<const D: usize> {
     name: &'static str,
-    flow: ImplicitSystem,
+    flow: FlowPart,
     solid: Box<dyn SolidSolver<D>>,
     /// β V per point, m^D/Pa.
     split: Vec<f64>,
@@ -32,6 +32,14 @@ pub struct Staggered<const D: usize> {
     lags: Lags,
     coupling_iterations: u64,
     contraction: f64,
+}
+
+/// How a pass finds the pressure.
+enum FlowPart {
+    /// From one linear system.
+    System(ImplicitSystem),
+    /// Point by point: what flows is known from the base.
+    Pointwise,
 }
 
 /// What the stages of a step found: the guess for the next one.
@@ -58,7 +66,7 @@ impl<const D: usize> Staggered<D> {
     ) -> Self {
         Self::new(
             "staggered",
-            flow,
+            FlowPart::System(flow),
             solid,
             parts,
             options,
@@ -78,12 +86,46 @@ impl<const D: usize> Staggered<D> {
             true => f64::INFINITY,
             false => FAIR.max(options.coupling_tolerance),
         };
+        let flow = FlowPart::System(flow);
         Self::new("semi-implicit", flow, solid, parts, options, tolerance)
+    }
+
+    /// The same without a linear system: what flows is that of the base.
+    pub fn pointwise(
+        solid: Box<dyn SolidSolver<D>>,
+        parts: (&FlowModel<D>, &Coupling),
+        options: SchemeOptions,
+    ) -> Self {
+        let tolerance = FAIR.max(options.coupling_tolerance);
+        let flow = FlowPart::Pointwise;
+        Self::new("explicit", flow, solid, parts, options, tolerance)
+    }
+
+    /// Replaces β V per point (m^D/Pa), which stands in for the strain of a pass to come, where the
+    /// coefficients of flow follow the state.
+    pub fn set_split(&mut self, flow: &FlowModel<D>, split: &[f64]) {
+        self.split.clear();
+        self.split.extend_from_slice(split);
+        let pairs = flow.capacity.iter().zip(split);
+        self.storage = pairs.map(|(s, b)| s + b).collect();
+        if let FlowPart::System(system) = &mut self.flow {
+            system.forget(flow);
+        }
+    }
+
+    /// S + β V per point, m^D/Pa.
+    pub fn storage(&self) -> &[f64] {
+        &self.storage
+    }
+
+    /// What moves the solid.
+    pub fn solid(&mut self) -> &mut dyn SolidSolver<D> {
+        &mut *self.solid
     }
 
     fn new(
         name: &'static str,
-        flow: ImplicitSystem,
+        flow: FlowPart,
         solid: Box<dyn SolidSolver<D>>,
         (model, coupling): (&FlowModel<D>, &Coupling),
         options: SchemeOptions,
@@ -118,9 +160,18 @@ impl<const D: usize> Staggered<D> {
         let right: Vec<f64> = (0..rhs.len())
             .map(|i| rhs[i] - guess.content[i] + self.split[i] * guess.pressure[i])
             .collect();
-        let mut pressure = guess.pressure.clone();
+        let mut pressure = match self.flow {
+            FlowPart::System(_) => guess.pressure.clone(),
+            FlowPart::Pointwise => right
+                .iter()
+                .zip(&self.storage)
+                .map(|(r, s)| r / s)
+                .collect(),
+        };
         flow.fix(target.time, &target.base.pressure, &mut pressure);
-        report.iterations += self.flow.solve(flow, &right, &mut pressure)?;
+        if let FlowPart::System(system) = &mut self.flow {
+            report.iterations += system.solve(flow, &right, &mut pressure)?;
+        }
         Ok(pressure)
     }
 
@@ -162,8 +213,13 @@ impl<const D: usize> Staggered<D> {
             }
         };
         let base = model.content(&target.base.displacement, &target.base.walls);
-        let rounding = ROUNDING * base.iter().map(|c| c.abs()).sum::<f64>();
-        let mut mixer = Mixer::new(self.options.acceleration);
+        let held: f64 = base.iter().map(|c| c.abs()).sum();
+        let rounding = ROUNDING * (held + model.level * self.storage.iter().sum::<f64>());
+        let once = self.passes_once(target.slot);
+        let mut mixer = Mixer::new(match self.is_paper() {
+            true => Acceleration::None,
+            false => self.options.acceleration,
+        });
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
         for pass in 1..=self.options.coupling_iterations {
             let pressure = self.flow_pass(model, target, rhs, &guess, report)?;
@@ -177,7 +233,9 @@ impl<const D: usize> Staggered<D> {
             } else if pass == 2 && last > 0.0 && self.options.acceleration == Acceleration::None {
                 self.contraction = self.contraction.max(left / last);
             }
-            if left <= self.tolerance * scale {
+            report.passes += 1;
+            report.residual = Some(left / scale.max(f64::MIN_POSITIVE));
+            if left <= self.tolerance * scale || once {
                 self.lags.trial[target.slot] = Some(Lag {
                     dt: target.dt,
                     found,
@@ -185,17 +243,23 @@ impl<const D: usize> Staggered<D> {
                 return Ok(state.since(target.base));
             }
             if left.is_nan() || left > GROWTH * first.max(scale) {
-                return self.diverged(model, target.time, pass, left / scale);
+                return self.diverged(model, target.time, pass, [left / scale, left / first]);
             }
             (last, relative) = (left, left / scale);
             guess = mixer.next(guess, found, &self.storage);
         }
-        self.diverged(
-            model,
-            target.time,
-            self.options.coupling_iterations,
-            relative,
-        )
+        let passes = self.options.coupling_iterations;
+        self.diverged(model, target.time, passes, [relative, last / first])
+    }
+
+    /// Whether the form of the paper is asked for, in which strain lags behind by a step.
+    fn is_paper(&self) -> bool {
+        matches!(self.flow, FlowPart::Pointwise) && self.options.relaxation <= 0.0
+    }
+
+    /// Whether one pass must do; the first step has nothing that lags and passes until fields agree.
+    fn passes_once(&self, slot: usize) -> bool {
+        self.is_paper() && self.lags.accepted[slot].is_some()
     }
 
     fn diverged(
@@ -203,8 +267,11 @@ impl<const D: usize> Staggered<D> {
         model: &Model<D>,
         time: f64,
         passes: usize,
-        residual: f64,
+        [residual, growth]: [f64; 2],
     ) -> Result<Increment, StepError> {
+        if self.is_paper() {
+            return Err(self.unstable(model, time, growth)?);
+        }
         let (flow, coupling) = (flow_of(model)?, coupling_of(model)?);
         Err(StepError::CouplingDiverged {
             time,
@@ -212,6 +279,24 @@ impl<const D: usize> Staggered<D> {
             residual,
             relaxation: self.options.relaxation,
             strength: coupling.strength(&flow.capacity),
+        })
+    }
+
+    /// The error for pressures that lagging strain amplifies.
+    ///
+    /// # Errors
+    /// [`StepError::Missing`] without flow or coupling.
+    pub fn unstable(
+        &self,
+        model: &Model<D>,
+        time: f64,
+        growth: f64,
+    ) -> Result<StepError, StepError> {
+        Ok(StepError::CouplingUnstable {
+            time,
+            growth,
+            relaxation: self.options.relaxation,
+            strength: coupling_of(model)?.strength(&flow_of(model)?.capacity),
         })
     }
 
@@ -229,7 +314,9 @@ impl<const D: usize> Staggered<D> {
             let pressure = self.split[i] * (guess.pressure[i] - found.pressure[i]);
             let held = FLOOR * base[i].abs() + found.pressure[i].abs();
             total.0 += (strain - pressure).abs();
-            total.1 += right.abs() + found.content[i].abs() + self.storage[i] * held;
+            // What the split adds is no fluid: it may be many times what a fracture takes up.
+            let stored = self.storage[i] - self.split[i];
+            total.1 += right.abs() + found.content[i].abs() + stored * held;
         }
         total
     }
@@ -263,7 +350,12 @@ impl<const D: usize> Stage<D> for Staggered<D> {
 
     fn prepare(&mut self, model: &Model<D>, a: f64) -> Result<(), StepError> {
         solid_of(model)?;
-        Ok(self.flow.prepare(flow_of(model)?, &self.storage, a, &[])?)
+        match &mut self.flow {
+            FlowPart::System(system) => {
+                Ok(system.prepare(flow_of(model)?, &self.storage, a, &[])?)
+            }
+            FlowPart::Pointwise => Ok(()),
+        }
     }
 
     fn solve(
@@ -307,19 +399,30 @@ impl<const D: usize> Stage<D> for Staggered<D> {
         rhs: Vec<f64>,
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
-        Ok(self.flow.filter(flow_of(model)?, &rhs, report)?)
+        match &mut self.flow {
+            FlowPart::System(system) => Ok(system.filter(flow_of(model)?, &rhs, report)?),
+            FlowPart::Pointwise => {
+                let pairs = rhs.iter().zip(&self.storage);
+                Ok(pairs.map(|(r, s)| r / s).collect())
+            }
+        }
     }
 
     fn counters(&self) -> SchemeCounters {
         let mut counters = self.solid.counters();
-        counters.solver = self.flow.counters().clone();
+        if let FlowPart::System(system) = &self.flow {
+            counters.solver = system.counters().clone();
+        }
         counters.coupling_iterations = self.coupling_iterations;
         counters.contraction = (self.contraction > 0.0).then_some(self.contraction);
         counters
     }
 
     fn solver(&self) -> Option<(String, String)> {
-        let (flow, reason) = self.flow.chosen().clone();
+        let FlowPart::System(system) = &self.flow else {
+            return self.solid.solver();
+        };
+        let (flow, reason) = system.chosen().clone();
         Some(match self.solid.solver() {
             Some((solid, _)) if solid != flow => (format!("{flow} + {solid}"), reason),
             _ => (flow, reason),

@@ -38,6 +38,8 @@ const REFINEMENTS: usize = 4;
 /// Part of the improvement still wanted that a correction aims at, and the least it aims at.
 const FURTHER: f64 = 0.1;
 const LEAST: f64 = 0.1;
+/// Residual of an error estimate: a step changes by less than a thousandth of this.
+pub(super) const FILTERED: f64 = 1e-4;
 /// Relative change of the coefficient that keeps a factor.
 pub(super) const SAME: f64 = 1e-12;
 /// Residual, relative to the right-hand side, beyond which a solution is refused. At contrasts of 1e12
@@ -62,7 +64,7 @@ impl ImplicitSystem {
             }),
             ..Problem::new(flow.view(&values), Symmetry::PositiveDefinite, 1)
         };
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &flow.timers)?;
         Ok(ImplicitSystem {
             solver,
             chosen,
@@ -115,6 +117,20 @@ impl ImplicitSystem {
             return Ok(());
         }
         self.coefficient = None;
+        (flow.timers.clone()).time("assembly", || self.fill(flow, storage, a, ground));
+        self.solver.refresh(flow.view(&self.values))?;
+        self.coefficient = Some(a);
+        Ok(())
+    }
+
+    /// Sets the values to those of S + a L.
+    fn fill<const D: usize>(
+        &mut self,
+        flow: &FlowModel<D>,
+        storage: &[f64],
+        a: f64,
+        ground: &[usize],
+    ) {
         self.values
             .iter_mut()
             .zip(&flow.conductance)
@@ -138,9 +154,6 @@ impl ImplicitSystem {
         }
         flow.share().complete(&mut self.ground, 1);
         self.fix_rows(flow);
-        self.solver.refresh(flow.view(&self.values))?;
-        self.coefficient = Some(a);
-        Ok(())
     }
 
     /// Replaces rows and columns of fixed points, keeping their diagonal as the scale.
@@ -213,10 +226,11 @@ impl ImplicitSystem {
         Ok(iterations)
     }
 
-    /// (S + a L)⁻¹ rhs from rest: the filter of error estimates.
+    /// (S + a L)⁻¹ rhs from rest, zero at fixed points: the filter of error estimates, of which a few
+    /// digits matter.
     ///
     /// # Errors
-    /// As [`ImplicitSystem::solve`].
+    /// [`SolveError`] of the solver.
     pub fn filter<const D: usize>(
         &mut self,
         flow: &FlowModel<D>,
@@ -224,7 +238,13 @@ impl ImplicitSystem {
         report: &mut StepReport,
     ) -> Result<Vec<f64>, SolveError> {
         let mut error = vec![0.0; rhs.len()];
-        report.iterations += self.solve(flow, rhs, &mut error)?;
+        let pairs = rhs.iter().zip(&self.is_fixed);
+        let free: Vec<f64> = pairs
+            .map(|(r, fixed)| if *fixed { 0.0 } else { *r })
+            .collect();
+        let matrix = flow.view(&self.values);
+        let solved = self.solver.solve_to(matrix, &free, &mut error, FILTERED)?;
+        report.iterations += solved.iterations;
         Ok(error)
     }
 

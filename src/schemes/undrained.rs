@@ -11,6 +11,10 @@ use crate::plan::SchemeOptions;
 /// Change of a pass, relative to the pressure, at which passes end.
 const SETTLED: f64 = 1e-12;
 
+/// Change that is rounding, relative to the pressures and stresses that balance each other: of loads in
+/// balance with 10 MPa of stress passes went on to change 1e-9 Pa for ever.
+const ROUNDING: f64 = 1e-12;
+
 /// Brings `state` to the undrained answer to the loads at its time by accelerated fixed-stress passes.
 ///
 /// The full split is used whatever `scheme.relaxation` says: the start is the same for all schemes.
@@ -45,7 +49,8 @@ pub fn undrained<const D: usize>(
             .zip(&guess.pressure)
             .map(|(n, o)| n - o)
             .collect();
-        relative = norm2(&change) / norm2(&pressure).max(f64::MIN_POSITIVE);
+        let size = norm2(&pressure).max(ROUNDING / bar * model.level);
+        relative = norm2(&change) / size.max(f64::MIN_POSITIVE);
         let found = Guess {
             pressure,
             content: guess.content.clone(),

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::findings::{Table, count, seconds, short};
 use super::html::{escape, figure, page, paragraph, table};
 use super::{Machine, StudyError};
-use crate::output::{OutputError, write_atomically};
+use crate::output::{Manifest, OutputError, write_atomically};
 
 /// Writes `report.html` into the folder of a run, from the files the run left there.
 ///
@@ -50,6 +50,8 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
     let title = format!("Run of {}", summary["case"].as_str().unwrap_or("a scene"));
     let place = folder.join("report.html");
     let page = page(&title, &body);
+    // The next run replaces the page too: it would show results that are gone.
+    let _list = Manifest::resume(folder)?;
     write_atomically(&place, |out| out.write_all(page.as_bytes()))?;
     Ok(place)
 }

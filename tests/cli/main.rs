@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod coupled;
+mod documented;
 mod fault_calls;
 mod fault_domains;
 mod fault_files;
@@ -17,5 +18,6 @@ mod mutations;
 mod processes;
 mod repeats;
 mod runs;
+mod solver_flags;
 mod studies;
 mod support;

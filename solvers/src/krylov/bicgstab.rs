@@ -3,7 +3,9 @@
 //!
 //! Not that of faer: where r̂ᵀ A p vanishes it divides by zero and goes on with NaN until the limit
 //! on the iterations, and it returns no sign of it. Here a vanishing scalar ends the run by name,
-//! and the driver starts again from the residual reached.
+//! and the driver starts again from the best residual of the run: on the way to a breakdown, which on
+//! matrices with eigenvalues of both signs is no rare thing, residuals grow. Every new start takes
+//! another shadow.
 
 use super::driver::Krylov;
 use super::options::options;
@@ -12,13 +14,16 @@ use super::{Cause, End, Method, Pass, Run};
 use crate::preconditioner::{Demand, count, words};
 use crate::problem::Symmetry;
 use crate::registry::{Backend, OptionSpec, Options};
-use crate::{LinearSolver, SpecError, dot, multiply, norm2};
+use crate::{LinearSolver, SpecError, dot, interrupted, multiply, norm2};
 
 const DEMAND: Demand = Demand::Any;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
 const OPTIONS: [OptionSpec; 7] = options(&WORDS);
 /// Cosine of an angle below which two vectors count as orthogonal.
 const ORTHOGONAL: f64 = 1e-14;
+
+/// Share of the least residual so far below which an x is kept.
+const KEPT: f64 = 0.9;
 
 /// The entry of this backend in the table.
 pub(crate) const BACKEND: Backend = Backend {
@@ -50,6 +55,10 @@ struct BiCgStab {
     t: Vec<f64>,
     /// M⁻¹ times a vector.
     z: Vec<f64>,
+    /// The x with the least residual of the run.
+    best: Vec<f64>,
+    /// Runs so far: where the next shadow comes from.
+    runs: u64,
 }
 
 /// ⟨a, b⟩, unless the two are orthogonal or not finite.
@@ -65,6 +74,24 @@ fn product(a: &[f64], b: &[f64]) -> Result<f64, Cause> {
 }
 
 impl BiCgStab {
+    /// The residual itself at first; after a run that went before, with signs that differ each time.
+    fn cast_shadow(&mut self, residual: &[f64], rhs: &[f64]) {
+        self.shadow.copy_from_slice(&self.r);
+        if residual == rhs {
+            self.runs = 0;
+            return;
+        }
+        self.runs += 1;
+        let mut seed = self.runs;
+        for value in &mut self.shadow {
+            // Knuth's linear congruential generator: the same numbers on every machine.
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            if seed >> 62 == 0 {
+                *value = -*value;
+            }
+        }
+    }
+
     /// Iterates on A d = r from d = 0 and adds `size` d to x.
     fn iterate(
         &mut self,
@@ -75,9 +102,11 @@ impl BiCgStab {
     ) -> Result<End, Cause> {
         let target = pass.target / size;
         let (mut rho, mut alpha, mut omega) = (1.0, 1.0, 1.0);
+        let mut least = 1.0;
+        self.best.copy_from_slice(x);
         self.p.fill(0.0);
         self.v.fill(0.0);
-        while *iterations < pass.limit {
+        while *iterations < pass.limit && !interrupted() {
             let next = product(&self.shadow, &self.r)?;
             let beta = next / rho * (alpha / omega);
             rho = next;
@@ -97,8 +126,13 @@ impl BiCgStab {
             omega = product(&self.t, &self.r)? / dot(&self.t, &self.t);
             add_scaled(x, size * omega, &self.z);
             add_scaled(&mut self.r, -omega, &self.t);
-            if norm2(&self.r) <= target {
+            let left = norm2(&self.r);
+            if left <= target {
                 return Ok(End::Reached);
+            }
+            if left <= KEPT * least {
+                least = left;
+                self.best.copy_from_slice(x);
             }
         }
         Ok(End::Limit)
@@ -114,8 +148,10 @@ impl Method for BiCgStab {
             v,
             t,
             z,
+            best,
+            runs: _,
         } = self;
-        for vector in [r, shadow, p, v, t, z] {
+        for vector in [r, shadow, p, v, t, z, best] {
             *vector = vec![0.0; unknowns];
         }
     }
@@ -123,9 +159,12 @@ impl Method for BiCgStab {
     fn run(&mut self, mut pass: Pass<'_>, x: &mut [f64]) -> Run {
         let size = norm2(pass.residual);
         set_scaled(&mut self.r, 1.0 / size, pass.residual);
-        self.shadow.copy_from_slice(&self.r);
+        self.cast_shadow(pass.residual, pass.rhs);
         let mut iterations = 0;
         let outcome = self.iterate(&mut pass, size, x, &mut iterations);
+        if outcome.is_err() {
+            x.copy_from_slice(&self.best);
+        }
         let end = outcome.unwrap_or_else(End::Broken);
         Run { iterations, end }
     }

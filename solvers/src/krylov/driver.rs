@@ -1,11 +1,12 @@
 //! What all Krylov backends share: restarts from the true residual, until that one is small.
 
 use super::{Cause, End, Method, Pass, Run, advice};
+use crate::interrupt;
 use crate::matrix::{check_vector, rounding_floor};
 use crate::preconditioner::{self, Demand, Preconditioner, PreconditionerInfo};
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, Options};
-use crate::system::{ACCEPTED_RESIDUAL, Residuals, System};
+use crate::system::{AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, SolveError, SolveReport, SolverCounters, SpecError, norm2};
 
 /// Restarts allowed when the recursive residual has drifted from the true one.
@@ -14,6 +15,8 @@ const MAX_RESTARTS: usize = 3;
 const AIM: f64 = 0.5;
 /// Multiple of the rounding errors in b − A x below which no iteration can improve.
 const FLOOR_FACTOR: f64 = 10.0;
+/// Share of the residual that a run may leave when it breaks down and still be worth another one.
+const WELL: f64 = 0.5;
 /// A full basis that leaves more than this part of the residual is the last one.
 const STALLED: f64 = 0.999;
 
@@ -194,6 +197,7 @@ impl Krylov {
                 limit,
             };
             let run = self.method.run(pass, x);
+            interrupt::check()?;
             let gain = self.take(matrix, rhs, x, run, &mut progress);
             if progress.found.plain <= self.tolerance {
                 break;
@@ -257,9 +261,10 @@ impl Krylov {
             }
         }
         progress.fault = match end {
-            End::Broken(cause) if cause != Cause::Orthogonal || gain.is_nan() || gain >= 1.0 => {
+            End::Broken(cause) if cause != Cause::Orthogonal || gain.is_nan() => {
                 Some(Fault::Broken(cause))
             }
+            End::Broken(_) if gain <= WELL => None,
             End::Full if gain <= STALLED => None,
             End::Full => Some(Fault::Full),
             _ if progress.restarts < MAX_RESTARTS => {
@@ -289,7 +294,7 @@ impl Krylov {
     ) -> Result<(), SolveError> {
         let (residual, iterations) = (progress.found.plain, progress.done);
         let at_the_floor = || residual <= FLOOR_FACTOR * rounding_floor(matrix, x, rhs);
-        if residual <= self.tolerance || (residual <= ACCEPTED_RESIDUAL && at_the_floor()) {
+        if residual <= self.tolerance || (residual <= AT_THE_FLOOR && at_the_floor()) {
             return Ok(());
         }
         let (method, tolerance) = (self.backend.name, self.tolerance);
@@ -383,6 +388,10 @@ impl LinearSolver for Krylov {
             self.preconditioner.observe(progress.done);
         }
         Ok(progress.found.report(progress.done))
+    }
+
+    fn is_direct(&self) -> bool {
+        false
     }
 
     fn counters(&self) -> &SolverCounters {

@@ -9,6 +9,7 @@
 //! Rust. A start value, iterative refinement of a direct solution and a new start after a
 //! recursion that drifted are the same thing in this form.
 
+mod confined;
 mod engine;
 mod layout;
 mod options;
@@ -21,8 +22,9 @@ pub use perifrac_petsc_sys::{abort, finish};
 
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, OptionSpec, OptionValue, Options};
-use crate::system::{ACCEPTED_RESIDUAL, Residuals, System};
+use crate::system::{ACCEPTED_RESIDUAL, AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, Partition, SolveError, SolveReport, SolverCounters, SpecError};
+pub(crate) use confined::others;
 use engine::Engine;
 use layout::Layout;
 use options::Flags;
@@ -38,8 +40,6 @@ const AIM: f64 = 0.5;
 const WEAKEST_AIM: f64 = 0.1;
 /// Multiple of the rounding errors in b − A x below which no pass can improve.
 const FLOOR_FACTOR: f64 = 10.0;
-/// Largest residual accepted of a direct solution where it is all rounding error of b − A x.
-const AT_THE_FLOOR: f64 = 1e-3;
 
 /// The entry of this backend in the table.
 pub(crate) const BACKEND: Backend = Backend {
@@ -192,14 +192,9 @@ impl Petsc {
         iterations: usize,
     ) -> Result<(), SolveError> {
         let direct = self.work.as_ref().is_some_and(|work| work.direct);
-        let limit = if direct {
-            AT_THE_FLOOR
-        } else {
-            ACCEPTED_RESIDUAL
-        };
         if found.plain <= self.tolerance
             || (direct && found.plain <= ACCEPTED_RESIDUAL)
-            || (found.plain <= limit && self.at_floor(matrix, rhs, x, found))
+            || (found.plain <= AT_THE_FLOOR && self.at_floor(matrix, rhs, x, found))
         {
             return Ok(());
         }
@@ -299,6 +294,10 @@ impl LinearSolver for Petsc {
         let (found, iterations) = solved?;
         self.counters.solves += 1;
         Ok(found.report(iterations))
+    }
+
+    fn is_direct(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.direct)
     }
 
     fn counters(&self) -> &SolverCounters {

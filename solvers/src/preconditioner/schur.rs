@@ -4,7 +4,9 @@
 //! iterations; here a few multigrid-preconditioned iterations stand for K⁻¹, one multigrid cycle for
 //! S⁻¹, and a sparse matrix for S:
 //!
-//! - `schur`: C + B D⁻¹ Bᵀ with the point blocks D of K, right where the stiffness is degraded too;
+//! - `schur`: C + B D⁻¹ Bᵀ with the point blocks D of K, right where the stiffness is degraded too, and
+//!   diag([`Problem::schur_diagonal`]) where it is known: B D⁻¹ Bᵀ does not see smooth pressures, which
+//!   B K⁻¹ Bᵀ answers alike whatever their length, and two terms of one size for rough ones cost little;
 //! - `fixed-stress`: C + diag([`Problem::schur_diagonal`]), the storage of the fixed-stress split of
 //!   poroelasticity, which knows nothing of damage.
 
@@ -26,7 +28,7 @@ use crate::{CsrMatrix, CsrView, SolveError, SpecError, multiply};
 /// What stands for the Schur complement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Complement {
-    /// C + B D⁻¹ Bᵀ with the diagonal blocks D of K.
+    /// C + B D⁻¹ Bᵀ with the diagonal blocks D of K, and [`Problem::schur_diagonal`] if it is given.
     SelfPreconditioned,
     /// C + [`Problem::schur_diagonal`].
     FixedStress,
@@ -160,9 +162,13 @@ impl Parts {
 
     fn fill(&mut self, matrix: CsrView<'_>) {
         self.blocks.fill(matrix);
-        self.schur = match &mut self.own {
-            Some(own) => own.matrix(&self.blocks),
-            None => with_diagonal(&self.blocks.storage, &self.given),
+        let own = self.own.as_mut().map(|own| own.matrix(&self.blocks));
+        self.schur = match own {
+            Some(own) if self.given.is_empty() => own,
+            own => with_diagonal(
+                &own.unwrap_or_else(|| self.blocks.storage.clone()),
+                &self.given,
+            ),
         };
     }
 }

@@ -55,6 +55,7 @@ pub fn blocks<const D: usize>(
         volume: cell.iter().map(Vector::product).collect(),
         cell,
         irregular,
+        filled: true,
     })
 }
 
@@ -92,16 +93,25 @@ impl<const D: usize> Tree<D> {
         let total: usize = self.cells.iter().product();
         let mut open: Vec<Key<D>> = (0..total).map(|index| (0, self.place(index))).collect();
         let mut leaves = Leaves::new();
+        let mut touched = vec![false; refinements.len()];
         while let Some(key) = open.pop() {
-            let wanted = refinements.iter().filter(|r| self.touches(key, &r.region));
-            if wanted.map(|r| r.levels).max().unwrap_or(0) > key.0 {
+            let mut levels = 0;
+            for (refinement, touched) in refinements.iter().zip(&mut touched) {
+                if self.touches(key, &refinement.region) {
+                    (*touched, levels) = (true, levels.max(refinement.levels));
+                }
+            }
+            if levels > key.0 {
                 open.extend(children(key));
             } else {
                 leaves.insert(key, ());
             }
             check_count((open.len() + leaves.len()) as f64)?;
         }
-        Ok(leaves)
+        match touched.iter().position(|touched| !touched) {
+            None => Ok(leaves),
+            Some(first) => Err(GenerateError::EmptyRefinement { number: first + 1 }),
+        }
     }
 
     fn place(&self, mut index: usize) -> [i64; D] {

@@ -83,6 +83,7 @@ pub fn graded<const D: usize>(
             planes: true,
         },
         volume: cell.iter().map(Vector::product).collect(),
+        filled: true,
         irregular: cell
             .iter()
             .any(|width| (width - first).amax() > 1e-9 * first.amax()),

@@ -37,6 +37,7 @@ pub fn lattice<const D: usize>(
         volume: vec![cell.product(); count],
         cell: vec![cell; count],
         irregular: false,
+        filled: true,
     })
 }
 

@@ -30,6 +30,12 @@ pub enum GenerateError {
         /// The nearest spacing that divides the length.
         suggestion: f64,
     },
+    /// A refinement whose region no cell touches.
+    #[error("geometry.refine #{number} touches no cell; move its region inside or enlarge it")]
+    EmptyRefinement {
+        /// Which, from 1.
+        number: usize,
+    },
     /// The number of points overflows 32-bit indices.
     #[error("{count:.3e} points are more than 32-bit indices can number; use a coarser cloud")]
     TooMany {

@@ -8,10 +8,11 @@ pub use coupled::CoupledSample;
 
 use self::family::LocalFamily;
 use self::outline::CloudOutline;
+use super::operator_choice::ChosenOperator;
 use super::properties::{self, Properties};
-use super::{ModelError, build_cloud};
+use super::{ModelError, build_cloud, fit};
 use crate::geometry::{Cloud, GeometryError, Horizon, Sampler};
-use crate::plan::{FlowPlan, MechanicsPlan, OperatorChoice, Plan};
+use crate::plan::{FlowPlan, MechanicsPlan, Plan};
 
 /// Averages over sampled points and extremes over all points.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +29,8 @@ pub struct Sample {
     pub spacing: [f64; 2],
     /// Largest edge of the domain, m.
     pub extent: f64,
+    /// Whether the spacing varies.
+    pub irregular: bool,
     /// Points per material.
     pub per_material: Vec<usize>,
     /// Flow, if the plan names it.
@@ -41,6 +44,8 @@ pub struct Sample {
 /// What flow costs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowSample {
+    /// The diffusion operator.
+    pub operator: ChosenOperator,
     /// Bonds per point, images included.
     pub bonds: f64,
     /// Nonzeros per row of the matrix.
@@ -71,6 +76,8 @@ pub struct SolidSample {
     pub poissons_ratio: f64,
     /// Largest over smallest shear modulus.
     pub contrast: f64,
+    /// Largest (λ + 2μ)/μ.
+    pub volume_stiffness: f64,
     /// Step limit by waves, where the density of every point is known.
     pub waves: Option<PointLimit>,
 }
@@ -126,6 +133,7 @@ pub fn sample<const D: usize>(plan: &Plan) -> Result<Sample, ModelError> {
         Some(outline) => estimated(plan, &outline)?,
         None => {
             let (cloud, table) = build_cloud::<D>(plan)?;
+            fit::check(plan, &cloud)?;
             let points = properties::assign(plan, &cloud, table)?;
             sampled(plan, &cloud, &points, plan.horizon)?
         }
@@ -170,6 +178,7 @@ fn sampled<const D: usize>(
         horizon: extremes(sampler.horizon().iter().copied()),
         spacing: extremes((0..cloud.len()).map(|i| cloud.spacing(i))),
         extent: cloud.domain.size().amax(),
+        irregular: cloud.irregular,
         per_material,
         flow: plan.flow.as_ref().map(|flow| seen.flow(flow)),
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
@@ -202,6 +211,7 @@ fn estimated<const D: usize>(plan: &Plan, outline: &CloudOutline<D>) -> Result<S
         horizon,
         spacing,
         extent: small.places.domain.size().amax(),
+        irregular: sample.irregular,
         per_material: (sample.per_material.iter())
             .map(|&count| (count as f64 * more).round() as usize)
             .collect(),
@@ -261,7 +271,9 @@ impl<const D: usize> Seen<'_, D> {
 
     fn flow(&self, flow: &FlowPlan) -> FlowSample {
         let (cloud, families) = (self.cloud, self.families);
-        let bond = flow.operator == OperatorChoice::Bond;
+        let operator =
+            ChosenOperator::of(self.plan, flow, &self.points.permeability, cloud.irregular);
+        let bond = operator.bond;
         let corrected = !bond && flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
         let second_hop = corrected || !bond && families.iter().any(|family| !family.one_hop);
         let eigenvalue = families.iter().map(|f| f.eigenvalue).fold(0.0, f64::max);
@@ -274,6 +286,7 @@ impl<const D: usize> Seen<'_, D> {
         FlowSample {
             bonds: self.mean(|family| family.bonds),
             nonzeros: self.mean(|f| if second_hop { f.two_hops } else { f.hops }),
+            operator,
             second_hop,
             corrected,
             mobility: extremes(points.clone().map(|i| self.mobility(i))),
@@ -290,6 +303,9 @@ impl<const D: usize> Seen<'_, D> {
             neighbours: self.mean(|family| family.two_hops),
             corrected: mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes),
             contrast: contrast(self.points.lame.iter().map(|lame| lame.mu)),
+            volume_stiffness: (self.points.lame.iter())
+                .map(|lame| lame.volume_stiffness())
+                .fold(1.0, f64::max),
             poissons_ratio: self.points.lame.iter().map(ratio).fold(0.0, f64::max),
             waves: self.waves(),
         }

@@ -7,7 +7,17 @@ use crate::plan::types::{
 use crate::scene::quantity::values;
 use crate::scene::{self, Spanned};
 
-pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
+/// Error of a step over the range of the pressure, where none is given.
+const TOLERANCE: f64 = 1e-5;
+/// The same in fractures, where steps are of first order. The peak pressure of `natural-fractures/smoke` is
+/// then 1.2 % below that at 1e-4, in 24 steps; at 1e-3 0.4 %, in 63; judged by damage alone 3.4 %, in 7.
+const TOLERANCE_IN_FRACTURES: f64 = 1e-2;
+
+pub(super) fn time(time: &scene::TimeControl, fractures: bool) -> TimePlan {
+    let tolerance = match fractures {
+        true => TOLERANCE_IN_FRACTURES,
+        false => TOLERANCE,
+    };
     let steady = time.is_steady();
     TimePlan {
         mode: if steady {
@@ -19,7 +29,7 @@ pub(super) fn time(time: &scene::TimeControl) -> TimePlan {
         step: time
             .step
             .map_or(StepRule::Adaptive, |step| StepRule::Fixed(step.value())),
-        tolerance: time.tolerance.value(),
+        tolerance: time.tolerance.map_or(tolerance, |own| own.value()),
         first_step: time.first_step.map(|step| step.value()),
         max_step: time.max_step.map(|step| step.value()),
         safety: time.safety.value(),

@@ -45,16 +45,12 @@ impl<const D: usize> FractureFlowStep<D> {
         );
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
-            if self.upkeep.is_due() {
-                self.solver.refresh(matrix)?;
-                self.upkeep.renew();
-            }
             let mut displacement = vec![0.0; at.force.len()];
-            let solved =
-                self.solver
-                    .solve_to(matrix, &at.force, &mut displacement, FORCING_ALONE)?;
-            self.upkeep.took(solved.iterations);
-            report.iterations += solved.iterations;
+            let (solver, tolerance) = (&mut *self.solver, FORCING_ALONE);
+            let force = &at.force;
+            report.iterations +=
+                self.upkeep
+                    .solve(solver, matrix, force, &mut displacement, tolerance)?;
             // The pressure stands still and is brought to the displacement in the next pass.
             return Ok(Way {
                 displacement,
@@ -63,21 +59,17 @@ impl<const D: usize> FractureFlowStep<D> {
             });
         };
         let stiffness = self.tangent.matrix.data();
-        block.fill(stiffness, solid, flow, coupling, dt);
+        let fill = || block.fill(stiffness, solid, flow, coupling, dt);
+        model.timers.time("assembly", fill);
         let matrix = block.matrix.view();
-        if self.upkeep.is_due() {
-            self.solver.refresh(matrix)?;
-            self.upkeep.renew();
-        }
         let (width, scale) = (D + 1, block.layout.scale);
         let mut rhs = vec![0.0; block.matrix.rows()];
         for (point, force) in at.force.chunks(D).enumerate() {
             rhs[point * width..][..D].copy_from_slice(force);
         }
         let mut x = vec![0.0; rhs.len()];
-        let solved = self.solver.solve_to(matrix, &rhs, &mut x, self.forcing)?;
-        self.upkeep.took(solved.iterations);
-        report.iterations += solved.iterations;
+        let solver = &mut *self.solver;
+        report.iterations += (self.upkeep).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
         let points = state.pressure.len();
         let displacement = (0..points)
             .flat_map(|i| x[i * width..][..D].to_vec())
@@ -122,7 +114,7 @@ impl<const D: usize> FractureFlowStep<D> {
             return Ok((way, softening));
         }
         self.daring.failed();
-        self.upkeep.renew();
+        self.upkeep.forget();
         let way = self.solution(model, state, at, dt, Softening::Bounded, report)?;
         Ok((way, Softening::Bounded))
     }

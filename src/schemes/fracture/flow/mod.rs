@@ -27,13 +27,14 @@ use super::allowed_growth;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
 use super::daring::Daring;
+use super::rates::Rates;
 use super::tangents::TangentMatrix;
 use super::upkeep::Upkeep;
 use crate::model::Model;
 use crate::operators::{Answer, Resting};
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::quasi_static::{advance, growth};
-use crate::schemes::solid::{Chosen, build_solver, ratio};
+use crate::schemes::solid::{Chosen, build_solver, ratio, volume_stiffness};
 use crate::schemes::{
     ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
     solid_of,
@@ -54,8 +55,8 @@ pub struct FractureFlowStep<const D: usize> {
     name: String,
     /// Largest forces so far, N.
     largest: f64,
-    /// Velocity of the last trial and of the last accepted step, m/s: where the next one starts.
-    rates: [Vec<f64>; 2],
+    /// Rates of the last trial and of the last accepted step: where the next one starts.
+    rates: [Rates; 2],
     /// Residual of the linear systems: smaller where passes turn out to suffer from it.
     forcing: f64,
     upkeep: Upkeep,
@@ -115,6 +116,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let problem = Problem {
             solves: 1,
             contrast: ratio(flow.mobility.iter().copied()),
+            volume_stiffness: volume_stiffness(solid),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,
@@ -123,7 +125,7 @@ impl<const D: usize> FractureFlowStep<D> {
             ..plain
         };
         let demand = plan.fracture_demand();
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
         let part = perifrac_solvers::Demand {
             spec: part_of(&demand.spec)?,
             ..demand
@@ -141,7 +143,7 @@ impl<const D: usize> FractureFlowStep<D> {
             tangent: TangentMatrix::new(solid),
             plan: damage,
             largest: 0.0,
-            rates: [Vec::new(), Vec::new()],
+            rates: [Rates::default(), Rates::default()],
             forcing: FORCING,
             upkeep: Upkeep::default(),
             acceleration: Acceleration::new(SHALLOW),
@@ -228,14 +230,15 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         let mut report = StepReport::default();
         trial.clone_from(old);
         trial.time = old.time + dt;
-        for (u, rate) in trial.displacement.iter_mut().zip(&self.rates[1]) {
+        let rates = &self.rates[1].displacement;
+        for (u, rate) in trial.displacement.iter_mut().zip(rates) {
             *u += dt * rate;
         }
         self.solve(model, old, dt, trial, &mut report)?;
         trial.check()?;
-        self.rates[0].clear();
-        let moved = trial.displacement.iter().zip(&old.displacement);
-        self.rates[0].extend(moved.map(|(new, old)| (new - old) / dt));
+        let [now, last] = &mut self.rates;
+        now.take(old, trial, dt);
+        report.error = last.error(now, &model.cloud.volume);
         close(model, old, trial, (dt, trial), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);

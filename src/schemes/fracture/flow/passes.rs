@@ -35,10 +35,12 @@ const WEAK: f64 = 0.1;
 /// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
 const OWED: f64 = 1e-7;
 
-/// Passes without progress, where the pressure answers to the strain, after which they are shortened by a
-/// half, and after which the step is given up.
+/// Passes without progress after which they are shortened by a half, where the pressure answers to the
+/// strain, and after which the step is given up.
 const STUCK: usize = 8;
-const GIVEN_UP: usize = 200;
+const GIVEN_UP: usize = 100;
+/// Damage, summed over points, that counts as progress of a crack that runs.
+const ADVANCE: f64 = 0.5;
 /// Share of the least so far below which a pass has made progress.
 const PROGRESS: f64 = 0.9;
 /// Shortest share of a pass.
@@ -52,6 +54,8 @@ struct Watch {
     before: f64,
     /// Least of the larger of both, what is out of balance and what is owed, over what is allowed.
     least: f64,
+    /// Damage summed over points when the crack last made progress.
+    broken: f64,
     /// Passes since the last progress.
     stuck: usize,
     /// Share of a pass that is taken: passes that go round in circles meet where they are shortened.
@@ -59,13 +63,17 @@ struct Watch {
 }
 
 impl Watch {
-    /// Takes note of how far off a pass starts; false once there is no hope.
-    fn goes_on(&mut self, off: f64) -> bool {
+    /// Takes note of how far off a pass starts and of how many points' worth has broken; false once there
+    /// is no hope. A crack that runs is far off for long, but breaks on.
+    fn goes_on(&mut self, off: f64, broken: f64, shortens: bool) -> bool {
         self.stuck += 1;
         if off <= PROGRESS * self.least {
             (self.least, self.stuck) = (off, 0);
         }
-        if self.stuck > 0 && self.stuck.is_multiple_of(STUCK) {
+        if broken >= self.broken + ADVANCE {
+            (self.broken, self.stuck) = (broken, 0);
+        }
+        if shortens && self.stuck > 0 && self.stuck.is_multiple_of(STUCK) {
             self.share = (0.5 * self.share).max(SHORTEST);
         }
         self.stuck < GIVEN_UP
@@ -263,6 +271,7 @@ impl<const D: usize> FractureFlowStep<D> {
             best: f64::INFINITY,
             before: f64::INFINITY,
             least: f64::INFINITY,
+            broken: found.answer.damage.iter().sum(),
             stuck: 0,
             share: 1.0,
         };
@@ -280,6 +289,8 @@ impl<const D: usize> FractureFlowStep<D> {
             // The displacement stands still, so the solid's own answer is the same.
             let at = weigh_forces(model, state, found.answer)?;
             let imbalance = self.imbalance(&at, state.time)?;
+            report.passes = pass;
+            report.residual = Some(imbalance);
             if imbalance <= self.plan.tolerance && owed <= OWED {
                 if self.resting.is_off() {
                     return Ok(());
@@ -300,10 +311,9 @@ impl<const D: usize> FractureFlowStep<D> {
                 });
             }
             watch.best = watch.best.min(imbalance);
-            // A crack that runs makes no progress for long, but does not answer to its own fluid then.
             let off = (imbalance / self.plan.tolerance).max(owed / OWED);
-            let hopeless = self.splits() && !watch.goes_on(off);
-            if hopeless || pass == self.plan.iterations {
+            let broken = at.answer.damage.iter().sum();
+            if !watch.goes_on(off, broken, self.splits()) || pass == self.plan.iterations {
                 break;
             }
             self.react(&mut watch, imbalance);
@@ -441,8 +451,9 @@ pub fn close<const D: usize>(
     flow.imbalance(at.time, &at.pressure, &mut imbalance);
     let taken = taken(model, old, new)?;
     report.flows = weigh(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
-    let fixed = flow.fixed.iter().map(|fixed| taken[fixed.point]);
-    report.flows.fixed += fixed.sum::<f64>();
+    for fixed in &flow.fixed {
+        report.flows.hold(fixed.load, taken[fixed.point]);
+    }
     report.stored = Some(taken.iter().sum());
     Ok(())
 }

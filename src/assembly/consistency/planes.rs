@@ -1,0 +1,59 @@
+//! What the planes of a cloud do to the components of the corrected gradient.
+
+use crate::geometry::Side;
+use crate::operators::{Extension, Neighbourhood, Parity};
+
+/// What the planes of a cloud do to the field whose gradient is corrected.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Planes {
+    /// Sides beyond which families see no images.
+    pub one_sided: Vec<bool>,
+    /// Sides across which every component is odd.
+    pub clamped: Vec<bool>,
+}
+
+impl Planes {
+    /// Planes without clamped sides.
+    pub fn natural(one_sided: &[bool]) -> Self {
+        Planes {
+            one_sided: one_sided.to_vec(),
+            clamped: vec![false; one_sided.len()],
+        }
+    }
+
+    /// Planes of a vector field whose components have the given continuations.
+    pub fn of<const D: usize>(components: &[Extension<D>]) -> Self {
+        let all = |wanted: Parity| {
+            let has = |side: Side| components.iter().all(|own| own.parity(side) == wanted);
+            Side::all(D).map(has).collect()
+        };
+        Planes {
+            one_sided: all(Parity::OneSided),
+            clamped: all(Parity::Odd),
+        }
+    }
+
+    /// Parity of the component along `axis` at a side.
+    pub(super) fn parity(&self, axis: usize, side: Side) -> Parity {
+        if self.one_sided[side.index()] {
+            return Parity::OneSided;
+        }
+        match side.axis == axis || self.clamped[side.index()] {
+            true => Parity::Odd,
+            false => Parity::Even,
+        }
+    }
+}
+
+/// Continuation of the component along `axis`.
+pub fn natural_extension<const D: usize>(
+    around: &Neighbourhood<D>,
+    axis: usize,
+    planes: &Planes,
+) -> Extension<D> {
+    let parity: Vec<Parity> = Side::all(D).map(|side| planes.parity(axis, side)).collect();
+    let places: Vec<f64> = Side::all(D)
+        .map(|side| around.cloud.domain.plane(side))
+        .collect();
+    Extension::new(&around.families.images, &parity, &places)
+}

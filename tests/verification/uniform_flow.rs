@@ -1,0 +1,132 @@
+//! Which diffusion operator a scene gets, and what is left of a uniform flow with the bond operator.
+
+use perifrac::model::{Model, ModelError};
+use perifrac::report::Timers;
+use perifrac::run::Summary;
+
+use crate::support::{plan_of, run_text};
+
+/// A unit pressure drop over a unit square of unit mobility: the outflow is 1.
+const SQUARE: &str = r#"title = "square"
+[geometry]
+type = "lattice"
+size = [1, 1]
+points = [40, 40]
+seed = 3
+[fluid]
+viscosity = 1
+[materials.rock]
+permeability = 1
+storage = 1
+[flow.boundary.left]
+pressure = 1
+[flow.boundary.right]
+pressure = 0
+[time]
+mode = "steady"
+"#;
+
+/// The percentage in the warning about a uniform flow.
+fn warned(summary: &Summary) -> Option<f64> {
+    let starts = "a uniform flow is off by ";
+    let text = summary.warnings.iter().find_map(|w| w.split_once(starts));
+    text.map(|(_, rest)| rest.split(' ').next().unwrap().parse().unwrap())
+}
+
+#[test]
+fn the_bond_operator_tells_how_far_a_uniform_flow_is_off() {
+    let run = |sets: &[&str]| run_text(SQUARE, &[&["flow.operator=bond"], sets].concat()).0;
+    let blocks = r#"geometry={type="blocks", size=[1, 1], spacing=0.05, refine=[{levels=2, region={type="box", min=[0, 0], max=[0.3, 1]}}]}"#;
+    for sets in [
+        &["geometry.jitter=0.1"][..],
+        &["geometry.jitter=0.3"],
+        &["geometry.jitter=0.3", "horizon.ratio=3"],
+        &[
+            "geometry.jitter=0.4",
+            "flow.boundary={bottom={pressure=1}, top={pressure=0}}",
+        ],
+        &[blocks],
+    ] {
+        let summary = run(sets);
+        let out = summary.outflow["right"].max(summary.outflow["top"]);
+        let left = 100.0 * (1.0 - out).abs();
+        let said = warned(&summary).unwrap_or(0.0);
+        println!("{sets:?}: {left} % off, {said} % said");
+        assert!((left > 0.1) == (said > 0.0), "{sets:?}: {left} {said}");
+        assert!(
+            (said - left).abs() < 0.15 * left + 0.1,
+            "{sets:?}: {left} {said}"
+        );
+    }
+    assert_eq!(warned(&run(&[])), None);
+}
+
+#[test]
+fn the_bond_operator_is_refused_where_a_uniform_flow_is_a_tenth_off() {
+    let sets = [
+        "flow.operator=bond",
+        "geometry.jitter=0.4",
+        "horizon.ratio=1.6",
+    ];
+    let built = Model::<2>::build(&plan_of(SQUARE, &sets), &mut Timers::default());
+    let Err(ModelError::InconsistentBonds { error, .. }) = built else {
+        panic!("not refused");
+    };
+    assert!((0.1..0.2).contains(&error), "{error}");
+}
+
+/// The contrast is that of the points, whatever in the scene makes it.
+#[test]
+fn the_default_operator_follows_the_contrast_of_the_points() {
+    let layer = r#"{type="box", min=[0, 0], max=[1, 0.5]}"#;
+    let with = |permeability: &str| {
+        format!("materials.layer={{permeability={permeability}, storage=1, region={layer}}}")
+    };
+    let jitter = "geometry.jitter=0.2";
+    let operator = |sets: &[&str]| run_text(SQUARE, sets).0.operator;
+    assert_eq!(operator(&[]), "correspondence");
+    assert_eq!(operator(&[&with("3")]), "correspondence");
+    assert_eq!(operator(&[&with("3.1")]), "bond");
+    assert_eq!(operator(&[&with("1e-4")]), "bond");
+    assert_eq!(operator(&[&with("5"), jitter]), "correspondence");
+    assert_eq!(operator(&[&with("20"), jitter]), "bond");
+    let random = |std: &str| {
+        format!(
+            "materials.rock.permeability={{distribution=\"log-normal\", median=1, log10_std={std}, \
+             decades=6, correlation_length=0.2, seed=1}}"
+        )
+    };
+    assert_eq!(operator(&[&random("1")]), "bond");
+    assert_eq!(operator(&[&random("0.01")]), "correspondence");
+    // Materials that no point has, or that are alike, make no contrast.
+    assert_eq!(operator(&[&with("1")]), "correspondence");
+    assert_eq!(
+        operator(&[&with("20"), "flow.gradient=plain"]),
+        "correspondence"
+    );
+}
+
+#[test]
+fn the_correspondence_operator_across_layers_is_warned_of() {
+    let layer = r#"materials.layer={permeability=1e-4, storage=1, region={type="box", min=[0, 0], max=[1, 0.5]}}"#;
+    let doubts = |operator: &str| {
+        let (summary, _) = run_text(SQUARE, &[layer, &format!("flow.operator={operator}")]);
+        summary
+            .warnings
+            .iter()
+            .filter(|w| w.contains("arithmetic mean"))
+            .count()
+    };
+    assert_eq!(["auto", "bond", "correspondence"].map(doubts), [0, 0, 1]);
+}
+
+/// Horizontal layers in series: k = 2/(1/k₁ + 1/k₂) carries the flux.
+#[test]
+fn flow_across_horizontal_layers_is_right_by_default() {
+    let layer = r#"materials.clay={permeability=1e-4, storage=1, region={type="box", min=[0, 0], max=[1, 0.5]}}"#;
+    let upward = "flow.boundary={bottom={pressure=1}, top={pressure=0}}";
+    let (summary, _) = run_text(SQUARE, &[layer, upward]);
+    let exact = 2.0 / (1.0 + 1e4);
+    let error = (summary.outflow["top"] / exact - 1.0).abs();
+    assert!(error < 0.007, "{error}");
+}
