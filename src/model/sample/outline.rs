@@ -170,20 +170,25 @@ fn refined<const D: usize>(
     origin: &Vector<D>,
     size: &Vector<D>,
 ) -> f64 {
-    let added = |refinement: &Refinement| {
-        let volume = (0..D)
-            .map(|axis| {
-                let [low, high] = extent(&refinement.region, axis);
-                let (start, end) = (origin[axis], origin[axis] + size[axis]);
-                // Cells that the region only touches are refined too.
-                let within = high.min(end) - low.max(start) + 2.0 * spacing;
-                within.clamp(0.0, size[axis])
-            })
-            .product::<f64>();
-        let finer = 2.0_f64.powi(refinement.levels as i32 * D as i32);
-        volume / spacing.powi(D as i32) * (finer - 1.0)
+    let halved = |refinement: &Refinement, level: u32| {
+        let edge = spacing / 2.0_f64.powi(level as i32);
+        let cells = (0..D).map(|axis| {
+            let [low, high] = extent(&refinement.region, axis);
+            let inside = high.min(origin[axis] + size[axis]) - low.max(origin[axis]);
+            // Cells that the region only touches are halved too, and those that these are too small for.
+            match inside < 0.0 {
+                true => 0.0,
+                false => (inside + 4.0 * edge).min(size[axis]) / edge,
+            }
+        });
+        cells.product::<f64>()
     };
-    refinements.iter().map(added).sum()
+    // A cell that is halved becomes 2^D cells.
+    let more = 2.0_f64.powi(D as i32) - 1.0;
+    (refinements.iter())
+        .flat_map(|refinement| (0..refinement.levels).map(move |level| (refinement, level)))
+        .map(|(refinement, level)| more * halved(refinement, level))
+        .sum()
 }
 
 /// Lowest and highest coordinate of a shape along an axis, m.
@@ -258,26 +263,33 @@ mod tests {
         assert!((most - f64::sqrt(1.0 * 0.4)).abs() < 1e-9, "{most}");
     }
 
+    fn blocks(spacing: f64, max: f64, levels: u32) -> GeometryPlan {
+        let region = Shape::Box {
+            min: vec![0.0, 0.0],
+            max: vec![max, max],
+        };
+        GeometryPlan::Blocks {
+            origin: vec![0.0, 0.0],
+            size: vec![1.0, 1.0],
+            spacing,
+            refinements: vec![Refinement { region, levels }],
+        }
+    }
+
     /// A quarter of the square halved twice: 16 times as many cells there, and those it touches.
     #[test]
     fn refined_blocks_are_counted_from_above() {
-        let region = Shape::Box {
-            min: vec![0.0, 0.0],
-            max: vec![0.5, 0.5],
-        };
-        let blocks = GeometryPlan::Blocks {
-            origin: vec![0.0, 0.0],
-            size: vec![1.0, 1.0],
-            spacing: 0.01,
-            refinements: vec![Refinement { region, levels: 2 }],
-        };
-        let outline = CloudOutline::<2>::of(&blocks).unwrap();
+        let outline = CloudOutline::<2>::of(&blocks(0.01, 0.5, 2)).unwrap();
         let exact = 7500.0 + 2500.0 * 16.0;
-        assert!(
-            (1.0..1.15).contains(&(outline.count / exact)),
-            "{}",
-            outline.count
-        );
+        let over = outline.count / exact;
+        assert!((1.0..1.15).contains(&over), "{over}");
         assert!((outline.extremes()[0] - 0.0025).abs() < 1e-4);
+    }
+
+    /// Around a tiny region every level adds a few cells, not four times as many as the one before.
+    #[test]
+    fn deep_blocks_around_a_place_are_few() {
+        let outline = CloudOutline::<2>::of(&blocks(0.1, 1e-4, 10)).unwrap();
+        assert!(outline.count < 1000.0, "{}", outline.count);
     }
 }
