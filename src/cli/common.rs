@@ -183,9 +183,9 @@ impl Planned {
             _ => scene.geometry.span,
         };
         match error {
-            ModelError::Geometry(GeometryError::TooLarge { .. }) | ModelError::Generate(_) => {
-                Some(scene.geometry.span)
-            }
+            ModelError::Geometry(GeometryError::TooLarge { .. })
+            | ModelError::Generate(_)
+            | ModelError::Unresolved { .. } => Some(scene.geometry.span),
             ModelError::Geometry(_) => Some(horizon),
             ModelError::CrackThroughPoint { name, .. }
             | ModelError::CrackAtBoundary { name, .. } => {
