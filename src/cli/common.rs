@@ -201,7 +201,8 @@ impl Planned {
                 "output.probes" => Some(scene.output.probes.get(name)?.at.span),
                 _ => Some(scene.output.profiles.get(name)?.from.span),
             },
-            ModelError::EmptyPressureRegion { number } => scene
+            ModelError::EmptyPressureRegion { number }
+            | ModelError::CoveredPressureRegion { number } => scene
                 .flow
                 .as_ref()?
                 .regions

@@ -114,6 +114,15 @@ pub enum ModelError {
         /// Which region, from 1.
         number: usize,
     },
+    /// A region with prescribed pressure whose points all belong to later regions or to cracks.
+    #[error(
+        "all points of flow.regions #{number} lie in later regions or in cracks with a pressure, which \
+         replace it; reorder the regions or change them"
+    )]
+    CoveredPressureRegion {
+        /// Which region, from 1.
+        number: usize,
+    },
     /// Points without a material.
     #[error(
         "{count} points have no material, the first at {position:?}; add a material without a \
