@@ -5,11 +5,9 @@
 
 mod support;
 
-use std::sync::atomic::AtomicBool;
-
 use anyhow::{Context, Result};
 use perifrac::plan::Plan;
-use perifrac::run::{FieldError, Summary, run};
+use perifrac::run::{FieldError, Interrupt, Summary, run};
 use perifrac::schemes::State;
 
 use support::{median, plan, quick};
@@ -98,7 +96,7 @@ fn named(overrides: &[String]) -> Result<Plan> {
 }
 
 fn repeat(plan: &Plan, count: usize) -> Result<Vec<(Summary, State)>> {
-    let interrupt = AtomicBool::new(false);
+    let interrupt = Interrupt::default();
     (0..count)
         .map(|_| Ok(run::<2>(plan, None, &mut (), &interrupt)?))
         .collect()

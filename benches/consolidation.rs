@@ -6,11 +6,10 @@
 
 mod support;
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use anyhow::Result;
-use perifrac::run::{Summary, Writer, run};
+use perifrac::run::{Interrupt, Summary, Writer, run};
 use perifrac::{cases, plan, scene};
 
 use support::{median, quick};
@@ -99,7 +98,7 @@ fn whole_run(spacing: f64, own: &[&str]) -> Result<(f64, Summary)> {
         .map_err(|errors| anyhow::anyhow!("{errors}"))?;
     let plan = plan::resolve(&loaded, "terzaghi").map_err(|errors| anyhow::anyhow!("{errors}"))?;
     let mut writer = Writer::create(&folder.path().join("out"), &loaded.resolved_toml())?;
-    let interrupt = AtomicBool::new(false);
+    let interrupt = Interrupt::default();
     let (summary, _) = run::<2>(&plan, Some(&mut writer), &mut (), &interrupt)?;
     Ok((start.elapsed().as_secs_f64(), summary))
 }

@@ -3,14 +3,13 @@
 
 use std::hint::black_box;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use anyhow::{Context, Result, anyhow};
 use perifrac::model::{FlowModel, Model};
 use perifrac::plan::{Plan, resolve};
 use perifrac::report::Timers;
-use perifrac::run::{Summary, run};
+use perifrac::run::{Interrupt, Summary, run};
 use perifrac::schemes::{ForwardEuler, Scheme, State};
 use perifrac::{cases, scene};
 use rayon::prelude::*;
@@ -115,7 +114,7 @@ pub fn model<const D: usize>(plan: &Plan) -> Result<Model<D>> {
 
 /// Runs a plane plan without writing anything.
 pub fn summary(plan: &Plan) -> Result<Summary> {
-    Ok(run::<2>(plan, None, &mut (), &AtomicBool::new(false))?.0)
+    Ok(run::<2>(plan, None, &mut (), &Interrupt::default())?.0)
 }
 
 /// Seconds that `work` takes.

@@ -227,6 +227,9 @@ pub enum SolveError {
         /// Remedy.
         advice: &'static str,
     },
+    /// Whoever started the solve asked it to stop, see [`crate::Interrupt`].
+    #[error("the solve was interrupted")]
+    Interrupted,
     /// Another process of the team met an error.
     #[error("process {process} met an error, so this one stops too; see its message")]
     OtherProcess {

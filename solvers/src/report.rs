@@ -35,6 +35,20 @@ pub struct SolverCounters {
     pub factor_bytes: u64,
 }
 
+impl SolverCounters {
+    /// Adds the work of another solver for the same unknowns; of two factors the larger one counts.
+    pub fn add(&mut self, other: &SolverCounters) {
+        self.analyses += other.analyses;
+        self.factorisations += other.factorisations;
+        self.refreshes += other.refreshes;
+        self.solves += other.solves;
+        self.iterations += other.iterations;
+        self.refinements += other.refinements;
+        self.factor_nonzeros = self.factor_nonzeros.max(other.factor_nonzeros);
+        self.factor_bytes = self.factor_bytes.max(other.factor_bytes);
+    }
+}
+
 /// Size of a Cholesky factor, known before any number is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FactorPrediction {

@@ -76,6 +76,7 @@ const HOLDERS: [&str; 3] = ["the matrix", "the right-hand side", "the initial gu
 const SINGULAR: f64 = 4.0;
 const NOT_POSITIVE: f64 = 5.0;
 const OTHER: f64 = 6.0;
+const INTERRUPTED: f64 = 7.0;
 
 fn encode(error: &SolveError) -> [f64; LETTERS] {
     match error {
@@ -87,6 +88,7 @@ fn encode(error: &SolveError) -> [f64; LETTERS] {
         }
         SolveError::Singular { row } => [SINGULAR, *row as f64, 0.0],
         SolveError::NotPositiveDefinite { row, diagonal } => [NOT_POSITIVE, *row as f64, *diagonal],
+        SolveError::Interrupted => [INTERRUPTED, 0.0, 0.0],
         _ => [OTHER, 0.0, 0.0],
     }
 }
@@ -96,6 +98,9 @@ fn decode(process: usize, letters: &[f64]) -> SolveError {
     let is = |other: f64| (kind - other).abs() < 0.5;
     if is(SINGULAR) {
         return SolveError::Singular { row };
+    }
+    if is(INTERRUPTED) {
+        return SolveError::Interrupted;
     }
     if is(NOT_POSITIVE) {
         let diagonal = value;

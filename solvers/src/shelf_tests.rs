@@ -342,3 +342,26 @@ fn an_iteration_count_that_is_too_small_is_named_with_the_true_residual() {
 fn petsc_is_required() -> bool {
     std::env::var_os("PERIFRAC_REQUIRE_PETSC").is_some()
 }
+
+#[test]
+fn an_interrupted_backend_neither_factorises_nor_solves() {
+    let case = flow("flow");
+    let rhs = noisy_vector(case.matrix.rows());
+    for backend in BACKENDS
+        .iter()
+        .filter(|own| own.name != "petsc" && own.name != "auto")
+    {
+        let mut solver = ready(backend.name, &case.problem()).unwrap();
+        let interrupt = crate::Interrupt::default();
+        interrupt.raise();
+        let mut x = vec![0.0; rhs.len()];
+        let stopped = interrupt.during(|| {
+            let solved = solver.solve(case.matrix.view(), &rhs, &mut x).map(|_| ());
+            [solved, solver.refresh(case.matrix.view())]
+        });
+        assert_eq!(stopped[0], Err(SolveError::Interrupted), "{}", backend.name);
+        assert_eq!(stopped[1], Err(SolveError::Interrupted), "{}", backend.name);
+        solver.refresh(case.matrix.view()).unwrap();
+        solver.solve(case.matrix.view(), &rhs, &mut x).unwrap();
+    }
+}

@@ -41,6 +41,15 @@ impl SolverSpec {
         &self.options
     }
 
+    /// Words of the flags given that do more than choose a method: they may read or write files. None of
+    /// a backend without flags.
+    #[must_use]
+    pub fn unconfined_flags(&self) -> Vec<String> {
+        let flags = Backend::find(&self.name).ok().and_then(Backend::flags);
+        let text = flags.and_then(|flags| self.options.iter().find(|(key, _)| key == flags.key));
+        text.map_or_else(Vec::new, |(_, text)| crate::petsc::others(text))
+    }
+
     /// Builds the solver.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! What every backend does alike: order of the stages, checks of the input, residuals.
 
+use crate::interrupt;
 use crate::matrix::{self, Fingerprint};
 use crate::problem::{Problem, Symmetry};
 use crate::share::Share;
@@ -112,7 +113,9 @@ impl System {
             return self.missing("analyse");
         };
         let values = || matrix::check_rows(matrix, |row| self.share.owns(row));
-        let checked = same_pattern(matrix, expected).and_then(|()| values());
+        let checked = interrupt::check()
+            .and_then(|()| same_pattern(matrix, expected))
+            .and_then(|()| values());
         self.share.agree(checked)?;
         self.diagonal = matrix::diagonal(matrix);
         let invert = |value: &f64| if value.abs() > 0.0 { 1.0 / value } else { 1.0 };
@@ -177,7 +180,8 @@ impl System {
                 });
             }
         }
-        self.check_vector("the right-hand side", rhs)
+        let checked = matrix::check_vector("the right-hand side", rhs);
+        self.share.agree(interrupt::check().and(checked))
     }
 
     /// The error of the first process that has one, on every process.

@@ -53,6 +53,14 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
         difference: &dyn Fn(usize, usize) -> f64,
     ) -> Vector<D>;
 
+    /// Forces of the bonds of one family from their differences: what each carries, m^D/s.
+    fn family_forces(
+        &self,
+        mobility: &[f64],
+        point: usize,
+        difference: &dyn Fn(usize) -> f64,
+    ) -> Vec<f64>;
+
     /// Points with bonds that leave through a side of prescribed value.
     fn outlets(&self, extension: &Extension<D>) -> Vec<u32>;
 
@@ -120,6 +128,19 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         difference: &dyn Fn(usize, usize) -> f64,
     ) -> Vector<D> {
         BondForm::flux(self, point, mobility, &|bond| difference(point, bond))
+    }
+
+    fn family_forces(
+        &self,
+        mobility: &[f64],
+        point: usize,
+        difference: &dyn Fn(usize) -> f64,
+    ) -> Vec<f64> {
+        let family = BondForm::neighbourhood(self).families.family(point);
+        let differences: Vec<f64> = family.map(difference).collect();
+        let mut forces = Vec::with_capacity(differences.len());
+        force::bond_force(self, point, mobility, &differences, &mut forces);
+        forces
     }
 
     fn outlets(&self, extension: &Extension<D>) -> Vec<u32> {

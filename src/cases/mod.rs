@@ -100,7 +100,8 @@ pub const CASES: &[Case] = &[
         "natural-fractures",
         "injection into a crack with natural fractures in its way (Sec. 5.5)",
         "smoke",
-        "vertical"
+        "vertical",
+        "wide"
     ),
     case!(
         "injection-rate",

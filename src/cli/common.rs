@@ -75,7 +75,10 @@ impl SceneArgs {
                 )
             }
             None if path.exists() || looks_like_path(&self.scene) => {
-                (case_name(path), scene::load_file(path, &overrides)?)
+                let loaded = scene::load_file(path, &overrides)?;
+                // What changes another file is named after the case, as a bundled variant is.
+                let is_variant = Path::new(loaded.sources.name()) != path;
+                (case_name(path, is_variant), loaded)
             }
             None => return Err(unknown_case(&self.scene)),
         };
@@ -110,22 +113,17 @@ fn unknown_case(name: &str) -> Failure {
     ))
 }
 
-/// Name of a case from its path: the file's, or its folder's for a file called scene.toml.
-fn case_name(path: &Path) -> String {
-    let stem = path
-        .file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned());
-    match stem.as_deref() {
-        Some("scene") => std::path::absolute(path)
-            .ok()
-            .and_then(|path| {
-                path.parent()?
-                    .file_name()
-                    .map(|n| n.to_string_lossy().into_owned())
-            })
-            .unwrap_or_else(|| "scene".to_owned()),
-        Some(stem) => stem.to_owned(),
-        None => "scene".to_owned(),
+/// Name of a case from its path: the file's, its folder's for a file called scene.toml, and both for a
+/// variant, which is a file that changes another.
+fn case_name(path: &Path, is_variant: bool) -> String {
+    let text = |name: &std::ffi::OsStr| name.to_string_lossy().into_owned();
+    let stem = path.file_stem().map_or("scene".to_owned(), text);
+    let whole = std::path::absolute(path).ok();
+    let folder = whole.and_then(|path| path.parent()?.file_name().map(text));
+    match folder {
+        Some(folder) if is_variant => format!("{folder}-{stem}"),
+        Some(folder) if stem == "scene" => folder,
+        _ => stem,
     }
 }
 

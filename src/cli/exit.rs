@@ -1,7 +1,9 @@
 //! Failures and their exit codes.
 
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use perifrac_solvers::SolveError;
 
 use crate::model::ModelError;
 use crate::output::OutputError;
@@ -9,6 +11,9 @@ use crate::run::RunError;
 use crate::scene::SceneErrors;
 use crate::schemes::StepError;
 use crate::study::StudyError;
+
+/// Exit code after a signal.
+pub const INTERRUPTED: u8 = 130;
 
 /// A failure of a verb, as told to the user.
 #[derive(Debug)]
@@ -41,7 +46,7 @@ impl Failure {
             Failure::Memory(_) | Failure::Output(_) => 1,
             Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
             Failure::Study(_) => 1,
-            Failure::Interrupted(_) => 130,
+            Failure::Interrupted(_) => INTERRUPTED,
             Failure::Broken => 0,
         }
     }
@@ -68,6 +73,8 @@ fn run_code(error: &RunError) -> u8 {
     match error {
         RunError::Model(_) => 3,
         RunError::Step { source, .. } => match source {
+            // A library that is not there is no fault of the scene, and no failure to converge.
+            StepError::Solve(SolveError::Unavailable { .. }) => 2,
             StepError::Spec(_)
             | StepError::Pattern(_)
             | StepError::NoSteadyState { .. }
@@ -76,7 +83,7 @@ fn run_code(error: &RunError) -> u8 {
             | StepError::LoosePlate => 3,
             _ => 4,
         },
-        RunError::Interrupted { .. } => 130,
+        RunError::Interrupted { .. } => INTERRUPTED,
         _ => 1,
     }
 }
@@ -128,5 +135,21 @@ pub fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a warning on standard error; a run goes on even if nobody can read it.
 pub fn warn(message: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "warning: {message}");
+    say(&format!("warning: {message}"));
+}
+
+/// Prints a line on standard error, if there is someone to read it.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Says which files of the user stood where results belong, by their new names.
+pub fn tell_of_kept(paths: &[PathBuf]) {
+    for path in paths {
+        let path = path.display();
+        warn(&format!(
+            "a file that no run wrote, or that was changed since, stood where a result belongs; it is now \
+             {path}"
+        ));
+    }
 }

@@ -4,6 +4,8 @@ mod cases;
 mod check;
 mod common;
 mod exit;
+mod interrupt;
+mod label;
 mod memory;
 mod plan;
 mod processes;
@@ -25,8 +27,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 #[command(
     after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
                         Precedence: defaults < scene < --set < the other flags.\n\
-                        Exit codes: 0 done, 1 run failed, 2 usage, 3 scene, 4 not converged, \
-                        130 interrupted."
+                        Exit codes: 0 done, 1 run failed, 2 usage or no PETSc, 3 scene, \
+                        4 not converged, 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -60,6 +62,7 @@ enum Verb {
 
 /// Runs the program; the exit code tells how it went.
 pub fn main() -> ExitCode {
+    interrupt::keep_hangups_ignored();
     let verb = Cli::parse().verb;
     let result = threads::check_environment().and_then(|()| act(verb));
     processes::Processes::started().leave(&result)

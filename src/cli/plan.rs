@@ -6,8 +6,9 @@ use crate::study::{self, Campaign, Options};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print};
+use super::interrupt::handled;
 use super::memory;
-use super::study::{interruption, subject};
+use super::study::subject;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
@@ -50,10 +51,10 @@ fn forecast(args: &Args, error: f64) -> Result<(), Failure> {
     };
     let variants = study::calibration(&subject, &options)?;
     let folder = tempfile::tempdir().map_err(study::StudyError::Program)?;
-    let interrupt = interruption();
+    let interrupt = handled();
     let mut campaign = Campaign::new(&subject, folder.path(), 1, CALIBRATION, &interrupt)?;
     let (mut runs, _) = campaign.run(&variants, &mut ())?;
-    if interrupt.load(std::sync::atomic::Ordering::Relaxed) {
+    if interrupt.is_raised() {
         return Err(Failure::Interrupted("during the calibration".to_owned()));
     }
     study::compare_costs(&mut runs);

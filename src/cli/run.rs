@@ -1,14 +1,14 @@
 //! `perifrac run`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::output::OutputError;
 use crate::run::{Summary, Writer, run_with};
 
 use super::common::SceneArgs;
-use super::exit::{Failure, print};
+use super::exit::{Failure, print, tell_of_kept};
+use super::interrupt::handled;
+use super::label::label;
 use super::processes::Processes;
 use super::progress::Console;
 use super::{memory, threads};
@@ -18,7 +18,8 @@ use super::{memory, threads};
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Folder for the results [default: out/CASE]
+    /// Folder for the results; the next run there removes what this one writes and nothing else
+    /// [default: out/CASE, followed by +SCHEME, +SOLVER and +KEY=VALUE as given]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Number of threads of each process [default: all processors, shared out]
@@ -44,7 +45,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&planned.plan.case));
+        .unwrap_or_else(|| default_folder(&args.scene, &planned.plan.case));
     check_folder(&folder)?;
     let team = processes.team()?;
     let resolved = planned.loaded.resolved_toml();
@@ -52,10 +53,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         true => Writer::create(&folder, &resolved)?,
         false => Writer::follow(&folder, &resolved),
     };
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let flag = interrupt.clone();
-    // Without a handler the run is simply ended at once, as before.
-    let _ = ctrlc::set_handler(move || interrupted(&flag));
+    let interrupt = handled();
     let mut console = Console::new(args.quiet || !processes.leads());
     let (plan, team, writer_of) = (&planned.plan, team.as_ref(), Some(&mut writer));
     let result = match plan.dimension {
@@ -63,6 +61,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => run_with::<3>(plan, team, writer_of, &mut console, &interrupt),
     };
     console.finish();
+    tell_of_kept(&writer.kept());
     let (summary, _) = result.map_err(|error| planned.failure(error))?;
     if !processes.leads() {
         return Ok(());
@@ -81,11 +80,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     ))
 }
 
-/// The first interruption ends the run after its step; the second, should a step take long, at once.
-fn interrupted(flag: &AtomicBool) {
-    if flag.swap(true, Ordering::Relaxed) {
-        std::process::exit(130);
-    }
+/// A folder of its own for every variant of a case.
+fn default_folder(scene: &SceneArgs, case: &str) -> PathBuf {
+    PathBuf::from("out").join(format!("{case}{}", label(scene)))
 }
 
 /// Refuses a folder whose place, or the way to it, is taken by a file.
@@ -158,6 +155,7 @@ fn describe_mechanics(summary: &Summary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::Interrupt;
     use crate::{cases, plan, scene};
 
     fn described(case: &str, overrides: &[&str]) -> String {
@@ -165,7 +163,7 @@ mod tests {
         let text = cases::find(case).unwrap().scene;
         let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
         let plan = plan::resolve(&loaded, case).unwrap();
-        let summary = run_with::<2>(&plan, None, None, &mut (), &AtomicBool::new(false));
+        let summary = run_with::<2>(&plan, None, None, &mut (), &Interrupt::default());
         describe(&summary.unwrap().0)
     }
 

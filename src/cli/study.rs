@@ -2,16 +2,18 @@
 
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::builder::PossibleValuesParser;
 
+use crate::output::{FolderLock, Manifest};
+use crate::run::Interrupt;
 use crate::study::{self, Campaign, Options, Row, Status, Subject, Variant, Watcher};
 
 use super::common::SceneArgs;
-use super::exit::{Failure, print};
+use super::exit::{Failure, print, tell_of_kept};
+use super::interrupt::handled;
+use super::label::label;
 
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
@@ -56,7 +58,7 @@ pub struct Args {
     /// Longest single run [default: a tenth of the budget]
     #[arg(long, value_name = "TIME", value_parser = duration)]
     limit: Option<Duration>,
-    /// Folder for the report [default: out/study-KIND-CASE]
+    /// Folder for the report [default: out/study-KIND-CASE, followed by +KEY=VALUE as given]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print report.json
@@ -87,14 +89,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     let quick = if args.quick { "-quick" } else { "" };
-    let default = format!("study-{}-{}{quick}", args.kind, subject.plan.case);
+    let variant = label(&scene_of(&args.scene, &args.overrides));
+    let default = format!("study-{}-{}{variant}{quick}", args.kind, subject.plan.case);
     let folder = args
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(default));
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::Usage(format!("cannot create {}: {error}", folder.display())))?;
-    let interrupt = interruption();
+    let _lock = FolderLock::take(&folder)?;
+    // Dropped before the lock is.
+    let list = Manifest::go_on(&folder)?;
+    let interrupt = handled();
     let budget = args
         .budget
         .unwrap_or(Duration::from_secs(if args.quick { 50 } else { 540 }));
@@ -113,8 +119,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     kind.compare(&mut runs);
     let report = study::write_report(&folder, &*kind, &subject, &runs, complete)?;
+    tell_of_kept(&list.kept());
     let page = folder.join("report.html");
-    if interrupt.load(Ordering::Relaxed) {
+    if interrupt.is_raised() {
         return Err(Failure::Interrupted(format!(
             "what is done is in {}; the same command goes on",
             page.display()
@@ -139,15 +146,19 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     ))
 }
 
-/// The case of a study.
-pub(super) fn subject(scene: &str, overrides: &[String]) -> Result<Subject, Failure> {
-    let wish = SceneArgs {
+/// The scene of a study, whose schemes and solvers are its own.
+fn scene_of(scene: &str, overrides: &[String]) -> SceneArgs {
+    SceneArgs {
         scene: scene.to_owned(),
         overrides: overrides.to_vec(),
         scheme: None,
         solver: None,
-    };
-    let planned = wish.plan()?;
+    }
+}
+
+/// The case of a study.
+pub(super) fn subject(scene: &str, overrides: &[String]) -> Result<Subject, Failure> {
+    let planned = scene_of(scene, overrides).plan()?;
     Ok(Subject::new(
         scene,
         &planned.loaded,
@@ -156,21 +167,8 @@ pub(super) fn subject(scene: &str, overrides: &[String]) -> Result<Subject, Fail
     ))
 }
 
-/// A flag that ctrl-C sets; a second one ends the program at once.
-pub(super) fn interruption() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let seen = flag.clone();
-    // Without a handler the study is simply ended at once; its log is whole all the same.
-    let _ = ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    flag
-}
-
-fn nothing(interrupt: &AtomicBool) -> Failure {
-    match interrupt.load(Ordering::Relaxed) {
+fn nothing(interrupt: &Interrupt) -> Failure {
+    match interrupt.is_raised() {
         true => Failure::Interrupted("before the first run ended".to_owned()),
         false => {
             Failure::Usage("the budget is too small for a single run; see --budget".to_owned())

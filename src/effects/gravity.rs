@@ -78,8 +78,13 @@ impl<const D: usize> Column<D> {
         if image == 0 {
             return -self.weight.dot(&(end - cloud.position[owner]));
         }
-        let reach = extension.foot(image, end) - cloud.position[owner];
-        extension.offset(image, end, |side, x| self.on_wall(side, x)) - self.weight.dot(&reach)
+        self.on_image(extension, image, end) + self.weight.dot(&cloud.position[owner])
+    }
+
+    /// What gravity adds to the value of the image of a point at `x`, less the weight there, Pa.
+    pub fn on_image(&self, extension: &Extension<D>, image: u8, x: &Vector<D>) -> f64 {
+        let foot = extension.foot(image, x);
+        extension.offset(image, x, |side, x| self.on_wall(side, x)) - self.weight.dot(&foot)
     }
 }
 

@@ -39,6 +39,21 @@ impl<const D: usize> Image<D> {
     pub fn place(&self, x: &Vector<D>) -> Vector<D> {
         x.component_mul(&self.scale) + self.shift
     }
+
+    /// Position whose image is at `y`, in metres.
+    pub fn inverse(&self, y: &Vector<D>) -> Vector<D> {
+        (y - self.shift).component_mul(&self.scale)
+    }
+
+    /// −1 where the image is turned round along an axis, else +1.
+    pub fn parity(&self, axis: usize) -> f64 {
+        self.scale[axis]
+    }
+
+    /// This image of a vector.
+    pub fn reflect(&self, vector: &Vector<D>) -> Vector<D> {
+        vector.component_mul(&self.scale)
+    }
 }
 
 /// All images that families can reach; number 0 is the identity.

@@ -16,6 +16,7 @@ mod sampler;
 mod shape;
 mod share;
 mod side;
+mod stencil;
 mod voids;
 
 pub(crate) use cloud::edge;
@@ -31,6 +32,7 @@ pub use sampler::Sampler;
 pub use shape::Shape;
 pub use share::Share;
 pub use side::Side;
+pub use stencil::{Stencil, Stencils, Term, sources};
 pub use voids::Voids;
 
 /// A position or vector in `D` dimensions, in metres where it is a position.

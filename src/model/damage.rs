@@ -67,7 +67,8 @@ impl<const D: usize> SolidModel<D> {
     ) -> Option<Answer<D>> {
         let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
         let damage = self.damage.as_ref()?;
-        Some(damage.answer(&self.elastic, history, resting, difference))
+        let answer = || damage.answer(&self.elastic, history, resting, difference);
+        Some(self.timers.time("laws", answer))
     }
 
     /// Takes the internal force off `force`, shape `(n·D,)`, N, with damage after `history` if there is

@@ -26,8 +26,8 @@ pub(super) fn doubts<const D: usize>(quality: &Consistency, cloud: &Cloud<D>) ->
     let plain = quality.first_plain.map(|first| {
         format!(
             "the divergence-consistent correction would exceed the gradient's own weights at {} of \
-             {} points, the first at {:?}: they keep the plain gradient, and column sums are off by \
-             up to {:.1e} of a cell's face; enlarge the horizon or smooth the grading there",
+             {} points, the first at {:?}, whose neighbours are all on one side: they keep the plain \
+             gradient as at a free surface, and column sums are off by up to {:.1e} of a cell's face",
             quality.plain_families,
             cloud.len(),
             cloud.position[first].as_slice(),

@@ -40,7 +40,13 @@ pub(super) fn check<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<(),
 fn density<const D: usize>(cloud: &Cloud<D>) -> Result<(), String> {
     let distance = neighbour_distances(cloud);
     let ratio = |(volume, distance): (&f64, &f64)| volume / distance.powi(D as i32);
-    let mut ratios: Vec<f64> = cloud.volume.iter().zip(&distance).map(ratio).collect();
+    // A single point has no neighbour.
+    let pairs = cloud
+        .volume
+        .iter()
+        .zip(&distance)
+        .filter(|(_, d)| d.is_finite());
+    let mut ratios: Vec<f64> = pairs.map(ratio).collect();
     ratios.sort_unstable_by(f64::total_cmp);
     let Some(&median) = ratios.get(ratios.len() / 2) else {
         return Ok(());
@@ -84,9 +90,11 @@ fn reach<const D: usize>(cloud: &Cloud<D>) -> Result<(), String> {
     if !cloud.domain.planes {
         return Ok(());
     }
+    // Volumes may be in another unit.
+    let distance = neighbour_distances(cloud);
     for side in Side::all(D) {
         let gap = |i: usize| (cloud.position[i][side.axis] - cloud.domain.plane(side)).abs();
-        let by_spacing = |i: &usize| gap(*i) / cloud.spacing(*i);
+        let by_spacing = |i: &usize| gap(*i) / cloud.spacing(*i).max(distance[*i]);
         let nearest = (0..cloud.len()).min_by(|a, b| by_spacing(a).total_cmp(&by_spacing(b)));
         let Some(nearest) = nearest.filter(|i| by_spacing(i) > 1.0) else {
             continue;

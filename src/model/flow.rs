@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, Wall};
 use crate::effects::{self, Column, Context, Counted};
-use crate::geometry::{Cloud, Families, Place, Share, Side, Vector};
+use crate::geometry::{Cloud, Families, Share, Side, Term, Vector};
 use crate::operators::{Extension, Neighbourhood, Parity};
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
-use crate::report::Flows;
+use crate::report::{Flows, Timers};
 
 use super::bands::Bands;
 use super::diffusion::{bond_operator, correspondence};
@@ -60,6 +60,8 @@ pub struct FlowModel<const D: usize> {
     pub refills: u64,
     /// Sides of prescribed pressure.
     pub walls: Vec<Wall>,
+    /// Where the time of the run goes.
+    pub timers: Timers,
     column: Option<Column<D>>,
     refill_plan: Refill,
 }
@@ -125,6 +127,7 @@ impl<const D: usize> FlowModel<D> {
             fixed_loads,
             refills: 0,
             consistency,
+            timers: Timers::default(),
             column,
         })
     }
@@ -174,13 +177,16 @@ impl<const D: usize> FlowModel<D> {
 
     /// Fills L anew from the current mobility, into the same pattern.
     pub fn refill(&mut self) {
-        self.operator.fill(
-            &self.extension,
-            &self.mobility,
-            &self.pattern,
-            &self.refill_plan,
-            &mut self.conductance,
-        );
+        let (timers, values) = (self.timers.clone(), &mut self.conductance);
+        timers.time("assembly", || {
+            self.operator.fill(
+                &self.extension,
+                &self.mobility,
+                &self.pattern,
+                &self.refill_plan,
+                values,
+            );
+        });
         self.refills += 1;
     }
 
@@ -222,11 +228,13 @@ impl<const D: usize> FlowModel<D> {
 
     /// Imbalance q − L p at `time`, shape `(n,)`, m^D/s: what storage takes up.
     pub fn imbalance(&self, time: f64, pressure: &[f64], imbalance: &mut [f64]) {
-        self.rate(time, imbalance);
-        self.walls
-            .iter()
-            .for_each(|wall| wall.add_rate(time, pressure, imbalance));
-        self.subtract_exchange(pressure, imbalance);
+        self.timers.time("flow", || {
+            self.rate(time, imbalance);
+            self.walls
+                .iter()
+                .for_each(|wall| wall.add_rate(time, pressure, imbalance));
+            self.subtract_exchange(pressure, imbalance);
+        });
     }
 
     /// Takes Σ_j L_ij (p_j − p_i) off every entry: the exchange between points.
@@ -265,7 +273,7 @@ impl<const D: usize> FlowModel<D> {
     }
 
     /// Rates at which the boundary and the sources move fluid in the state `pressure` at `time`;
-    /// what comes in at fixed points is added by [`FlowModel::fixed_inflow`].
+    /// what comes in at fixed points is added by [`FlowModel::add_fixed_inflow`].
     pub fn flows(&self, pressure: &[f64], time: f64) -> Flows {
         let effects = self.effects.iter().map(Counted::effect);
         let mut flows = Flows {
@@ -273,6 +281,7 @@ impl<const D: usize> FlowModel<D> {
             gross: effects.map(|effect| effect.gross(time)).sum(),
             outflow: vec![0.0; 2 * D],
             fixed: 0.0,
+            held: vec![0.0; self.fixed_loads.len()],
         };
         for wall in &self.walls {
             let (net, gross) = wall.outflow(time, pressure);
@@ -282,10 +291,12 @@ impl<const D: usize> FlowModel<D> {
         flows
     }
 
-    /// Rate that enters at the points of prescribed pressure, from the imbalance q − L p with the
-    /// rate of storage taken off, m^D/s.
-    pub fn fixed_inflow(&self, imbalance: &[f64]) -> f64 {
-        self.fixed.iter().map(|fixed| -imbalance[fixed.point]).sum()
+    /// Adds the rate that enters at the points of prescribed pressure, from the imbalance q − L p with
+    /// the rate of storage taken off, m^D/s.
+    pub fn add_fixed_inflow(&self, imbalance: &[f64], flows: &mut Flows) {
+        for fixed in &self.fixed {
+            flows.hold(fixed.load, -imbalance[fixed.point]);
+        }
     }
 
     /// Whether the pressure of a point is prescribed, shape `(n,)`.
@@ -323,7 +334,7 @@ impl<const D: usize> FlowModel<D> {
     }
 
     /// Prescribed pressures of the sides at `time`; zero where none is prescribed, shape `(2D,)`.
-    fn wall_values(&self, time: f64) -> Vec<f64> {
+    pub(super) fn wall_values(&self, time: f64) -> Vec<f64> {
         let mut values = vec![0.0; 2 * D];
         for wall in &self.walls {
             values[wall.side.index()] = wall.pressure.at(time);
@@ -341,31 +352,35 @@ impl<const D: usize> FlowModel<D> {
         loads.map(|load| load.at(time)).collect()
     }
 
-    /// Slope of the pressure at a point, Pa/m, from the flux there: next to a jump of the mobility
-    /// it is the slope on the point's own side.
-    pub fn slope(&self, pressure: &[f64], time: f64, point: usize) -> Vector<D> {
-        let walls = self.wall_values(time);
-        let drive = self.drive(pressure, &walls);
-        let weight = self
-            .column
-            .as_ref()
-            .map_or_else(Vector::zeros, |column| column.weight);
-        self.operator.flux(&self.mobility, point, &drive) / -self.mobility[point] + weight
+    /// Weight of the fluid per volume, ρ_f g, Pa/m; zero without gravity.
+    pub(super) fn weight(&self) -> Vector<D> {
+        let column = self.column.as_ref();
+        column.map_or_else(Vector::zeros, |column| column.weight)
     }
 
-    /// Pressure at any place: value and slope of the nearest point, averaged over equally near ones,
-    /// so that on the interface of two materials both sides count alike, Pa.
-    pub fn pressure_at(&self, pressure: &[f64], time: f64, place: &Place<D>) -> f64 {
-        let cloud = &self.operator.neighbourhood().cloud;
-        let value = |&point: &usize| {
-            let slope = self.slope(pressure, time, point);
-            pressure[point] + slope.dot(&(place.at - cloud.position[point]))
-        };
-        place.nearest.iter().map(value).sum::<f64>() / place.nearest.len() as f64
+    /// Pressure at the place `at` that an image has where the field of its real point is `own` at the
+    /// mirrored place, Pa.
+    pub(super) fn image_value(
+        &self,
+        term: &Term<D>,
+        own: f64,
+        at: &Vector<D>,
+        walls: &[f64],
+    ) -> f64 {
+        let image = term.image;
+        if image == 0 {
+            return own;
+        }
+        let mirrored = self.operator.neighbourhood().cloud.position[term.point] + term.arm;
+        let column = self.column.as_ref();
+        let weight = column.map_or(0.0, |column| {
+            column.on_image(&self.extension, image, &mirrored) + column.weight.dot(at)
+        });
+        self.extension.sign(image) * own + self.extension.wall_offset(image, walls) + weight
     }
 
     /// Bond difference that drives the flux: pressure, wall values and weight, Pa.
-    fn drive<'a>(
+    pub(super) fn drive<'a>(
         &'a self,
         pressure: &'a [f64],
         walls: &'a [f64],
@@ -391,14 +406,6 @@ impl<const D: usize> FlowModel<D> {
     /// Volume stored above zero pressure, Σ V s p, m^D.
     pub fn stored(&self, pressure: &[f64]) -> f64 {
         perifrac_solvers::dot(&self.capacity, pressure)
-    }
-
-    /// Darcy velocity −κ(∇̃p − ρ_f g) (Eq. 37), shape `(n,)`, m/s; zero at points of other processes.
-    pub fn velocity(&self, pressure: &[f64], time: f64) -> Vec<Vector<D>> {
-        let walls = self.wall_values(time);
-        let drive = self.drive(pressure, &walls);
-        let at = |point| self.operator.flux(&self.mobility, point, &drive);
-        (0..self.points()).into_par_iter().map(at).collect()
     }
 
     /// Times at which a load's slope jumps, sorted.

@@ -112,6 +112,11 @@ impl<const D: usize> Model<D> {
     /// Brings permeability, storage and Biot's coefficient to the damage and the openings of a state,
     /// and fills L anew; nothing without flow in fractures.
     pub fn follow_fractures(&mut self, answer: &Answer<D>, displacement: &[f64], walls: &[f64]) {
+        let timers = self.timers.clone();
+        timers.time("flow", || self.mix_fractures(answer, displacement, walls));
+    }
+
+    fn mix_fractures(&mut self, answer: &Answer<D>, displacement: &[f64], walls: &[f64]) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),

@@ -4,7 +4,9 @@ mod bands;
 mod cloud;
 mod coupling;
 mod damage;
+mod darcy;
 mod diffusion;
+mod disc;
 mod error;
 mod fit;
 mod flow;
@@ -25,6 +27,7 @@ use perifrac_solvers::Team;
 pub use bands::Bands;
 pub use cloud::{build_cloud, build_families};
 pub use coupling::{Audit, Coupling};
+pub use disc::Disc;
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
@@ -34,7 +37,7 @@ pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sam
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
 use crate::effects::injection_shares;
-use crate::geometry::{Cloud, Families, Share, Vector};
+use crate::geometry::{Cloud, Families, Share, Vector, horizons};
 use crate::plan::{CrackPlan, Plan, damage_width, manufactured, width_warning};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
@@ -65,6 +68,8 @@ pub struct Model<const D: usize> {
     pub level: f64,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Where the time of the run goes.
+    pub timers: Timers,
 }
 
 impl<const D: usize> Model<D> {
@@ -91,10 +96,21 @@ impl<const D: usize> Model<D> {
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         fit::check(plan, &cloud)?;
         let cloud = Arc::new(cloud);
-        let places = Places::find(plan, &cloud)?;
-        let families = timers.time("families", || {
-            build_families(plan, &cloud, team, &places.points())
-        })?;
+        // In parts of a cloud the families that places need are found with it.
+        let mut places = match team {
+            Some(_) => Some(Places::find(
+                plan,
+                &cloud,
+                &horizons(&cloud, plan.horizon)?,
+            )?),
+            None => None,
+        };
+        let watched = places.as_ref().map_or(&[][..], |places| &places.points);
+        let families = timers.time("families", || build_families(plan, &cloud, team, watched))?;
+        let places = match places.take() {
+            Some(places) => places,
+            None => Places::find(plan, &cloud, &families.horizon)?,
+        };
         let points = properties::assign(plan, &cloud, table)?;
         let bands = Bands::find(plan, &cloud)?;
         fit::check_bands(plan, &bands)?;
@@ -135,6 +151,7 @@ impl<const D: usize> Model<D> {
             places,
             bands,
             warnings,
+            timers: timers.clone(),
         })
     }
 
@@ -223,9 +240,10 @@ fn build_flow<const D: usize>(
     let Some(flow) = &plan.flow else {
         return Ok(None);
     };
-    let flow = timers.time("operators", || {
+    let mut flow = timers.time("operators", || {
         FlowModel::build(plan, flow, cloud, families, (points, bands), warnings)
     })?;
+    flow.timers = timers.clone();
     let mut flow = timers.time("assembly", || flow.assemble(plan, bands, coupling))?;
     if let Ok(Some(solution)) = manufactured(plan) {
         let exact = |x: &Vector<D>| solution.pressure(x.as_slice(), 0.0);
@@ -246,9 +264,10 @@ fn build_solid<const D: usize>(
     let Some(mechanics) = &plan.mechanics else {
         return Ok(None);
     };
-    let solid = timers.time("operators", || {
+    let mut solid = timers.time("operators", || {
         SolidModel::build(plan, mechanics, cloud, families, points, warnings)
     })?;
+    solid.timers = timers.clone();
     let divergence = coupling.map(|coupling| &coupling.divergence);
     let solid = timers.time("assembly", || {
         solid.assemble(plan, mechanics, points, bands, divergence)

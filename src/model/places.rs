@@ -3,8 +3,13 @@
 use super::ModelError;
 use super::cloud::cracks;
 use crate::effects::vector;
-use crate::geometry::{Cloud, Crack, Locator, OnCrack, Place, Vector, horizons};
-use crate::plan::{CrackKind, CrackPlan, Plan, Profile};
+use crate::geometry::{
+    Cloud, Crack, Cutter, ImageTable, Locator, OnCrack, Place, Side, Stencil, Stencils, Vector,
+    sources,
+};
+use crate::plan::{CrackKind, CrackPlace, CrackPlan, Plan, Profile, Support};
+
+use super::disc::Disc;
 
 /// Places along each crack at which it is measured.
 const ALONG: usize = 50;
@@ -13,11 +18,13 @@ const ALONG: usize = 50;
 #[derive(Debug, Clone, Default)]
 pub struct Places<const D: usize> {
     /// One place per probe.
-    pub probes: Vec<Place<D>>,
+    pub probes: Vec<Stencil<D>>,
     /// The places along every profile.
-    pub profiles: Vec<Vec<Place<D>>>,
+    pub profiles: Vec<Vec<Stencil<D>>>,
     /// The places along every crack.
     pub cracks: Vec<Vec<Faces<D>>>,
+    /// Points whose families the values need, in parts of a cloud too.
+    pub points: Vec<usize>,
 }
 
 /// A place on a crack with the points that give the values on either face.
@@ -25,13 +32,17 @@ pub struct Places<const D: usize> {
 pub struct Faces<const D: usize> {
     /// The place.
     pub on: OnCrack<D>,
-    /// On the side into which the normal points, and on the other.
+    /// On the side into which the normal points, and on the other; on a plane of symmetry both are the
+    /// side in the domain.
     pub sides: [Place<D>; 2],
+    /// +1 or −1 for the side in the domain where the other one is its mirror image, else 0.
+    pub mirrored: f64,
 }
 
 impl<const D: usize> Faces<D> {
-    /// Faces are next to a cut; a damaged band of half width `band` ends at them.
-    fn find(locator: &Locator<'_, D>, on: OnCrack<D>, band: f64) -> Option<Self> {
+    /// Faces are next to a cut; a damaged band of half width `band` ends at them. `mirror` tells that the
+    /// crack lies on a plane of symmetry.
+    fn find(locator: &Locator<'_, D>, on: OnCrack<D>, band: f64, mirror: bool) -> Option<Self> {
         let side = |sign: f64| {
             let off = |x: &Vector<D>| {
                 let beyond = (x - on.at).dot(&on.normal) * sign;
@@ -41,65 +52,119 @@ impl<const D: usize> Faces<D> {
             place.at += on.normal * (sign * band);
             Some(place)
         };
-        let sides = [side(1.0)?, side(-1.0)?];
-        Some(Faces { on, sides })
+        let (sides, mirrored) = match (side(1.0), side(-1.0)) {
+            (Some(one), Some(other)) if !mirror => ([one, other], 0.0),
+            (Some(one), None) if mirror => ([one.clone(), one], 1.0),
+            (None, Some(other)) if mirror => ([other.clone(), other], -1.0),
+            _ => return None,
+        };
+        Some(Faces {
+            on,
+            sides,
+            mirrored,
+        })
     }
 
     /// Opening and sliding (m) from the displacements of the two faces; sliding is positive where the
     /// side of the normal moves along the tangent.
     pub fn jump(&self, faces: [Vector<D>; 2]) -> [f64; 2] {
+        if self.mirrored != 0.0 {
+            return [2.0 * self.mirrored * faces[0].dot(&self.on.normal), 0.0];
+        }
         let jump = faces[0] - faces[1];
         [jump.dot(&self.on.normal), jump.dot(&self.on.tangent)]
     }
 }
 
 impl<const D: usize> Places<D> {
-    /// Finds the places of a plan.
+    /// Finds the places of a plan in a cloud with the given horizons (m, shape `(n,)`).
     ///
     /// # Errors
-    /// [`ModelError::CrackAtBoundary`].
-    pub fn find(plan: &Plan, cloud: &Cloud<D>) -> Result<Self, ModelError> {
+    /// [`ModelError::CrackAtBoundary`]; [`ModelError::Geometry`] for a domain too thin for the horizon.
+    pub fn find(plan: &Plan, cloud: &Cloud<D>, horizon: &[f64]) -> Result<Self, ModelError> {
         let output = &plan.output;
-        if output.probes.is_empty() && output.profiles.is_empty() && plan.cracks.is_empty() {
-            return Ok(Self::default());
+        let mut places = Places::default();
+        if !output.probes.is_empty() || !output.profiles.is_empty() {
+            let cutter = |images: &ImageTable<D>| cutter(plan, images);
+            let stencils = Stencils::new(cloud, horizon, cutter)?;
+            let place = |at: &Vec<f64>| stencils.at(vector(at));
+            let along = |profile: &Profile| profile.places().iter().map(place).collect();
+            places.probes = output.probes.iter().map(|probe| place(&probe.at)).collect();
+            places.profiles = output.profiles.iter().map(along).collect();
+            let all = places.probes.iter().chain(places.profiles.iter().flatten());
+            places.points = sources(all);
         }
         let locator = Locator::new(cloud);
-        let place = |at: &[f64]| locator.place(vector(at));
-        let along = |profile: &Profile| profile.places().iter().map(|at| place(at)).collect();
-        let horizon = match plan.cracks.iter().any(|own| own.kind == CrackKind::Damaged) {
-            true => horizons(cloud, plan.horizon)?,
-            false => Vec::new(),
-        };
-        let faces = |(crack, own): (Crack<D>, &CrackPlan)| -> Result<Vec<Faces<D>>, ModelError> {
-            let middles = crack.middles(ALONG).into_iter();
-            let face = |on: OnCrack<D>| {
-                let band = match own.kind {
-                    CrackKind::Cut => 0.0,
-                    CrackKind::Damaged => {
-                        let nearest = locator.place(on.at).nearest;
-                        nearest.iter().map(|i| horizon[*i]).fold(0.0, f64::max)
-                    }
-                };
-                Faces::find(&locator, on, band).ok_or_else(|| ModelError::CrackAtBoundary {
-                    name: own.name.clone(),
-                    at: on.at.iter().copied().collect(),
-                })
-            };
-            middles.map(face).collect()
-        };
-        let cracks = cracks(plan).into_iter().zip(&plan.cracks).map(faces);
-        Ok(Places {
-            probes: output.probes.iter().map(|probe| place(&probe.at)).collect(),
-            profiles: output.profiles.iter().map(along).collect(),
-            cracks: cracks.collect::<Result<_, _>>()?,
-        })
+        for (crack, own) in cracks(plan).into_iter().zip(&plan.cracks) {
+            let faces = faces(plan, &locator, cloud, horizon, (&crack, own))?;
+            places.cracks.push(faces);
+        }
+        let faces = places
+            .cracks
+            .iter()
+            .flatten()
+            .flat_map(|faces| &faces.sides);
+        places.points.extend(faces.flat_map(|place| &place.nearest));
+        Ok(places)
     }
+}
 
-    /// Points that give the values.
-    pub fn points(&self) -> Vec<usize> {
-        let faces = self.cracks.iter().flatten().flat_map(|faces| &faces.sides);
-        let places = self.probes.iter().chain(self.profiles.iter().flatten());
-        let places = places.chain(faces);
-        places.flat_map(|place| &place.nearest).copied().collect()
-    }
+/// The cracks of a plan that cut bonds; `None` without any.
+fn cutter<const D: usize>(plan: &Plan, images: &ImageTable<D>) -> Option<Cutter<D>> {
+    let own = plan.cracks.iter().zip(cracks(plan));
+    let cut = own.filter(|(own, _)| own.kind == CrackKind::Cut);
+    let cut: Vec<Crack<D>> = cut.map(|(_, crack)| crack).collect();
+    (!cut.is_empty()).then(|| Cutter::new(&cut, images))
+}
+
+/// The places along a crack, or from the centre of a disc to its rim, with their faces.
+fn faces<const D: usize>(
+    plan: &Plan,
+    locator: &Locator<'_, D>,
+    cloud: &Cloud<D>,
+    horizon: &[f64],
+    (crack, own): (&Crack<D>, &CrackPlan),
+) -> Result<Vec<Faces<D>>, ModelError> {
+    let (along, mirror) = match &own.place {
+        CrackPlace::Chain(_) => (crack.middles(ALONG), false),
+        CrackPlace::Disc { .. } => {
+            let disc = Disc::of(&own.place);
+            let mirror = disc
+                .as_ref()
+                .is_some_and(|disc| on_symmetry(plan, cloud, disc));
+            (
+                disc.map_or_else(Vec::new, |disc| disc.radius(&cloud.domain, ALONG)),
+                mirror,
+            )
+        }
+    };
+    let face = |on: OnCrack<D>| {
+        let band = match own.kind {
+            CrackKind::Cut => 0.0,
+            CrackKind::Damaged => {
+                let nearest = locator.place(on.at).nearest;
+                nearest.iter().map(|i| horizon[*i]).fold(0.0, f64::max)
+            }
+        };
+        let found = Faces::find(locator, on, band, mirror);
+        found.ok_or_else(|| ModelError::CrackAtBoundary {
+            name: own.name.clone(),
+            at: on.at.iter().copied().collect(),
+        })
+    };
+    along.into_iter().map(face).collect()
+}
+
+/// Whether a disc lies on a side on which the displacement is symmetric.
+fn on_symmetry<const D: usize>(plan: &Plan, cloud: &Cloud<D>, disc: &Disc<D>) -> bool {
+    let Some(mechanics) = &plan.mechanics else {
+        return false;
+    };
+    Side::all(D).any(|side| {
+        let held =
+            matches!(&mechanics.sides[side.index()], Support::Roller(load) if load.is_constant());
+        let gap = (disc.centre[side.axis] - cloud.domain.plane(side)).abs();
+        let flat = disc.normal[side.axis].abs() > 1.0 - 1e-9;
+        cloud.domain.planes && held && flat && gap <= 1e-9 * cloud.domain.size()[side.axis]
+    })
 }

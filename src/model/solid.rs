@@ -14,12 +14,15 @@ use crate::assembly::{
     Consistency, Pattern, Planes, consistent_gradient, fill_stiffness, matrix_bytes,
 };
 use crate::effects::{self, Counted, SolidContext};
-use crate::geometry::{Cloud, Families, Matrix, Place, Share, Side, Vector};
+use crate::geometry::{
+    Cloud, Families, Matrix, Place, Share, Side, Stencil, Term, Vector, sources,
+};
 use crate::load::Load;
 use crate::operators::{
     Damage, Divergence, Elastic, Extension, Neighbourhood, Parity, point_value,
 };
 use crate::plan::{MechanicsPlan, Plan, Support};
+use crate::report::Timers;
 
 use super::ModelError;
 use super::bands::Bands;
@@ -47,6 +50,8 @@ pub struct SolidModel<const D: usize> {
     pub refills: u64,
     /// Damage, if the plan names it; K is then that of intact rock.
     pub damage: Option<Damage<D>>,
+    /// Where the time of the run goes.
+    pub timers: Timers,
 }
 
 /// A displacement component of a plane side that moves.
@@ -128,6 +133,7 @@ impl<const D: usize> SolidModel<D> {
             consistency,
             refills: 0,
             damage: None,
+            timers: Timers::default(),
         })
     }
 
@@ -158,7 +164,9 @@ impl<const D: usize> SolidModel<D> {
 
     /// Fills K anew into the same pattern.
     pub fn refill(&mut self) {
-        fill_stiffness(&self.elastic, &self.points, self.stiffness.data_mut());
+        let (elastic, values) = (&self.elastic, self.stiffness.data_mut());
+        let fill = || fill_stiffness(elastic, &self.points, values);
+        self.timers.time("assembly", fill);
         self.refills += 1;
     }
 
@@ -362,8 +370,54 @@ impl<const D: usize> SolidModel<D> {
         (0..self.elastic.points()).into_par_iter().map(at).collect()
     }
 
-    /// Displacement at any place: value and slope of the nearest point, averaged over equally near
-    /// ones, m.
+    /// Displacement at places, m: the points around each, continued along their slopes and blended; images
+    /// as the sides have it. Linear displacements are exact.
+    pub fn displacements_at(
+        &self,
+        displacement: &[f64],
+        walls: &[f64],
+        places: &[Stencil<D>],
+    ) -> Vec<Vector<D>> {
+        let points = sources(places);
+        let slope = |point: &usize| {
+            let difference = |bond| self.difference(displacement, walls, *point, bond);
+            self.elastic.gradient_of(*point, difference)
+        };
+        let slopes: Vec<Matrix<D>> = points.iter().map(slope).collect();
+        let blend = |place: &Stencil<D>| {
+            let kept = |term: &&Term<D>| self.elastic.extension[0].keeps(term.image);
+            let (mut sum, mut all) = (Vector::zeros(), 0.0);
+            for term in place.terms.iter().filter(kept) {
+                let slope = points
+                    .binary_search(&term.point)
+                    .map_or(Matrix::zeros(), |k| slopes[k]);
+                let own = point_value::<D>(displacement, term.point) + slope * term.arm;
+                sum += self.on_image(term.image, own, walls) * term.weight;
+                all += term.weight;
+            }
+            sum / all
+        };
+        places.iter().map(blend).collect()
+    }
+
+    /// What an image makes of a displacement, with the walls where they are, m.
+    fn on_image(&self, image: u8, own: Vector<D>, walls: &[f64]) -> Vector<D> {
+        if image == 0 {
+            return own;
+        }
+        let sign = |axis: usize, _| self.elastic.extension[axis].sign(image);
+        let mut value = Vector::<D>::from_fn(sign).component_mul(&own);
+        for (wall, place) in self.walls.iter().zip(walls) {
+            let mut unit = [0.0; 6];
+            unit[wall.side.index()] = *place;
+            let extension = &self.elastic.extension[wall.component];
+            value[wall.component] += extension.wall_offset(image, &unit[..2 * D]);
+        }
+        value
+    }
+
+    /// Displacement at a place on one side of a crack: value and slope of the nearest point there,
+    /// averaged over equally near ones, m.
     pub fn displacement_at(
         &self,
         displacement: &[f64],

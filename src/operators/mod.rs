@@ -11,6 +11,7 @@
 
 mod bond_conductance;
 mod correspondence;
+mod crossings;
 mod damage;
 mod divergence;
 mod elastic;
@@ -23,6 +24,7 @@ mod resting;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
+pub use crossings::{Crossing, Crossings};
 pub use damage::{Answer, Damage};
 pub use divergence::Divergence;
 pub use elastic::{Elastic, point_value};

@@ -4,15 +4,19 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use flate2::CrcWriter;
 use tempfile::{Builder, NamedTempFile};
 
 use super::OutputError;
+use super::manifest::{self, Sum};
 
 /// Writes a file so that `path` holds either its old content or all of the new.
 ///
 /// `fill` writes into a temporary file in the same directory, which is flushed, synchronised with
 /// the disk and then renamed to `path`. If anything fails, the temporary file is removed and an
-/// older file at `path` stays as it was. A symbolic link at `path` is replaced, not followed.
+/// older file at `path` stays as it was. A symbolic link at `path` is replaced, not followed. In a folder
+/// with an open [`Manifest`](super::Manifest) the file is entered there, and what is not the run's own is
+/// moved out of its way.
 ///
 /// # Errors
 /// [`OutputError::IsDirectory`], [`OutputError::NotFound`], [`OutputError::NotWritable`],
@@ -27,15 +31,26 @@ where
             path: path.to_path_buf(),
         });
     }
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let directory = manifest::directory(path);
     let failed = |action| move |source| OutputError::from_io(path, action, source);
-    let temporary = temporary_in(directory).map_err(failed("create a temporary file beside it"))?;
-    let mut writer = BufWriter::with_capacity(1 << 16, temporary);
+    let list = manifest::of(directory);
+    if let Some(list) = &list {
+        list.make_room(path)?;
+    }
+    let mut announced = Ok(());
+    let temporary = temporary_in(directory, |part| {
+        announced = list
+            .as_ref()
+            .map_or(Ok(()), |list| list.announce(path, Some(part)));
+    });
+    let temporary = temporary.map_err(failed("create a temporary file beside it"))?;
+    announced?;
+    let writer = BufWriter::with_capacity(1 << 16, temporary);
+    let mut writer = CrcWriter::new(writer);
     fill(&mut writer).map_err(failed("write its content"))?;
+    let check = writer.crc().sum();
     let temporary = writer
+        .into_inner()
         .into_inner()
         .map_err(|e| failed("flush it")(e.into_error()))?;
     temporary
@@ -46,16 +61,26 @@ where
         .persist(path)
         .map_err(|e| failed("rename the temporary file to it")(e.error))?;
     synchronise_directory(directory);
+    if let Some(list) = &list {
+        list.enter(path, Sum::new(check, path).map_err(failed("look at it"))?)?;
+    }
     Ok(())
 }
 
-fn temporary_in(directory: &Path) -> io::Result<NamedTempFile> {
+/// How names of temporary files begin.
+pub(super) const PART_START: &str = ".perifrac-";
+/// And how they end.
+pub(super) const PART_END: &str = ".part";
+
+/// A temporary file, whose path is told before it appears.
+fn temporary_in(directory: &Path, mut tell: impl FnMut(&Path)) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
-    builder.prefix(".perifrac-").suffix(".part");
-    // Temporary files are private by default; results should follow the user's umask instead.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(directory)
+    builder.prefix(PART_START).suffix(PART_END);
+    builder.make_in(directory, |path| {
+        tell(path);
+        // Temporary files are private by default; results follow the user's umask instead.
+        File::options().write(true).create_new(true).open(path)
+    })
 }
 
 /// Makes the rename itself durable. Best effort: the file is complete either way, and some file

@@ -52,6 +52,17 @@ pub enum OutputError {
         /// The folder.
         path: PathBuf,
     },
+    /// A folder into which another run writes now.
+    #[error(
+        "{path} is in use: process {process} is writing there; wait until it has ended, end it, or choose \
+         another folder with --out"
+    )]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+        /// Number of the process.
+        process: u32,
+    },
     /// Any other failure of the operating system.
     #[error("{path}: could not {action}: {source}; check the path and the device, then try again")]
     Io {

@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{OutputError, write_atomically};
+use super::{OutputError, manifest, write_atomically};
 
 /// Column names and rows of a history.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -86,6 +86,7 @@ impl History {
         rows.iter()
             .for_each(|row| text.extend_from_slice(number_line(row).as_bytes()));
         write_atomically(path, |writer| writer.write_all(&text))?;
+        manifest::grows(path)?;
         let file = OpenOptions::new()
             .append(true)
             .open(path)
@@ -109,6 +110,15 @@ impl History {
             .write_all(number_line(row).as_bytes())
             .map_err(failed)?;
         self.file.flush().map_err(failed)
+    }
+
+    /// Replaces all rows by those of `table`, which has the same columns.
+    ///
+    /// # Errors
+    /// As [`History::create`].
+    pub fn rewrite(&mut self, table: &Table) -> Result<(), OutputError> {
+        *self = Self::start(&self.path, &table.columns, &table.rows)?;
+        Ok(())
     }
 
     /// Reads a history back. A last line without its newline is the torn end of a killed run and

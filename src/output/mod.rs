@@ -4,11 +4,15 @@
 //! Every writer takes plain slices and knows nothing of the model. Whole files are written
 //! atomically ([`write_atomically`]): a reader sees the old file or the new one, never half of one.
 //! Histories grow line by line and are flushed after each line, so that a killed run leaves whole
-//! lines. Nothing here depends on the clock or on threads: the same input gives the same bytes.
+//! lines. What a run wrote stands in a list ([`Manifest`]), and one run at a time writes into a folder
+//! ([`FolderLock`]). But for that list nothing here depends on the clock or on threads: the same
+//! input gives the same bytes.
 
 mod atomic;
 mod error;
 mod history;
+mod lock;
+mod manifest;
 pub mod plots;
 mod pvd;
 mod pvtu;
@@ -18,6 +22,8 @@ mod vtu;
 pub use atomic::write_atomically;
 pub use error::OutputError;
 pub use history::{History, Table};
+pub use lock::{FolderLock, LOCK};
+pub use manifest::{LIST, Manifest, remove_results};
 pub use plots::{
     FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PathPlot, Scale, Series, WIDE,
     animation_png, field_png, lines_svg, lines_text, multiples_png, paths_svg,

@@ -66,14 +66,27 @@ pub struct Flows {
     pub outflow: Vec<f64>,
     /// In at points of prescribed pressure.
     pub fixed: f64,
+    /// The same per prescribed pressure, in the order of the flow model's loads.
+    pub held: Vec<f64>,
 }
 
 impl Flows {
+    /// Adds what came in at a point of the prescribed pressure `load`.
+    pub fn hold(&mut self, load: usize, amount: f64) {
+        self.fixed += amount;
+        self.held.resize(self.held.len().max(load + 1), 0.0);
+        self.held[load] += amount;
+    }
+
     /// Adds `weight` times other flows.
     pub fn add(&mut self, weight: f64, other: &Flows) {
         self.injected += weight * other.injected;
         self.gross += weight * other.gross;
         self.fixed += weight * other.fixed;
+        let held = self.held.len().max(other.held.len());
+        self.held.resize(held, 0.0);
+        let pairs = self.held.iter_mut().zip(&other.held);
+        pairs.for_each(|(own, o)| *own += weight * o);
         self.outflow.resize(other.outflow.len(), 0.0);
         self.outflow
             .iter_mut()
@@ -187,6 +200,7 @@ mod tests {
             gross: 3.0,
             outflow: vec![1.0, -0.5],
             fixed: 0.5,
+            held: vec![0.5],
         };
         let mut balance = Balance::default();
         balance.add(&flows);

@@ -1,53 +1,126 @@
 //! Wall time per phase.
 
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use serde::Serialize;
 use serde::ser::SerializeMap;
 
 /// Seconds spent per named phase, in the order in which phases first ran.
-#[derive(Debug, Clone, Default, PartialEq)]
+///
+/// A phase within another one takes its time away from it, so that all phases add up to the time since
+/// [`Timers::begin`]. Copies share one clock: the parts of a model and the schemes each keep one. Phases
+/// are begun and ended on the thread of the run only.
+#[derive(Debug, Clone, Default)]
 pub struct Timers {
-    phases: Vec<(&'static str, f64)>,
+    clock: Arc<Mutex<Clock>>,
 }
 
-impl Timers {
-    /// Runs `work` and adds its time to `phase`.
-    pub fn time<T>(&mut self, phase: &'static str, work: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let result = work();
-        self.add(phase, start.elapsed().as_secs_f64());
-        result
-    }
+#[derive(Debug, Default)]
+struct Clock {
+    phases: Vec<(&'static str, f64)>,
+    running: Option<(&'static str, Instant)>,
+}
 
-    /// Adds seconds to a phase.
-    pub fn add(&mut self, phase: &'static str, seconds: f64) {
+impl Clock {
+    fn add(&mut self, phase: &'static str, seconds: f64) {
         match self.phases.iter_mut().find(|(name, _)| *name == phase) {
             Some((_, total)) => *total += seconds,
             None => self.phases.push((phase, seconds)),
         }
     }
+}
+
+impl Timers {
+    /// Runs `work` and adds its time, less that of phases within it, to `phase`.
+    pub fn time<T>(&self, phase: &'static str, work: impl FnOnce() -> T) -> T {
+        let outer = self.switch(Some(phase));
+        let result = work();
+        self.switch(outer);
+        result
+    }
+
+    /// Gives all time from now on that is spent in no phase to `phase`.
+    pub fn begin(&self, phase: &'static str) {
+        self.switch(Some(phase));
+    }
+
+    /// Stops the clock.
+    pub fn end(&self) {
+        self.switch(None);
+    }
+
+    /// Ends the running phase and starts the next one; gives the one that ended.
+    fn switch(&self, next: Option<&'static str>) -> Option<&'static str> {
+        let now = Instant::now();
+        let mut clock = self.clock();
+        let ended = clock.running.take();
+        if let Some((phase, since)) = ended {
+            clock.add(phase, now.duration_since(since).as_secs_f64());
+        }
+        if let Some(phase) = next {
+            clock.add(phase, 0.0);
+            clock.running = Some((phase, now));
+        }
+        ended.map(|(phase, _)| phase)
+    }
+
+    /// A phase that panicked leaves times that are still good.
+    fn clock(&self) -> MutexGuard<'_, Clock> {
+        self.clock.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 
     /// Seconds of a phase; zero if it never ran.
     pub fn seconds(&self, phase: &str) -> f64 {
-        self.phases
-            .iter()
+        self.iter()
             .find(|(name, _)| *name == phase)
-            .map_or(0.0, |(_, seconds)| *seconds)
+            .map_or(0.0, |(_, seconds)| seconds)
     }
 
     /// Phases and seconds.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
-        self.phases.iter().copied()
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+        self.clock().phases.clone().into_iter()
     }
 }
 
 impl Serialize for Timers {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.phases.len()))?;
-        for (phase, seconds) in &self.phases {
+        let phases = self.clock().phases.clone();
+        let mut map = serializer.serialize_map(Some(phases.len()))?;
+        for (phase, seconds) in &phases {
             map.serialize_entry(phase, seconds)?;
         }
         map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn an_inner_phase_takes_its_time_from_the_outer_one_and_all_add_up() {
+        let (timers, started) = (Timers::default(), Instant::now());
+        timers.begin("other");
+        let copy = timers.clone();
+        let nap = || sleep(Duration::from_millis(20));
+        let found = timers.time("steps", || {
+            copy.time("factor", nap);
+            nap();
+            7
+        });
+        timers.end();
+        let wall = started.elapsed().as_secs_f64();
+        let names: Vec<&str> = timers.iter().map(|(name, _)| name).collect();
+        assert_eq!((found, names), (7, vec!["other", "steps", "factor"]));
+        assert!(timers.seconds("factor") >= 0.02 && timers.seconds("steps") >= 0.02);
+        let sum: f64 = timers.iter().map(|(_, seconds)| seconds).sum();
+        assert!(sum <= wall && timers.seconds("steps") <= wall - 0.02);
+        nap();
+        let after: f64 = timers.iter().map(|(_, seconds)| seconds).sum();
+        assert!((after - sum).abs() <= 0.0, "the clock stands still");
     }
 }

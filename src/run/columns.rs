@@ -1,12 +1,15 @@
 //! Columns of history.csv: what a scene does not name has none.
+//!
+//! Every heading ends in the unit. A plane is a slab of `geometry.thickness`; what leaves through a side is
+//! the rate at the time of the row, what leaves where a pressure is held is the mean over the step.
 
 use crate::geometry::{Place, Side};
 use crate::model::{Faces, Model, MovingWall};
-use crate::plan::{MechanicsPlan, Plan, Support, exact_opening};
+use crate::plan::{MechanicsPlan, Plan, Support, TimeMode, exact_opening};
 use crate::report::Balance;
-use crate::schemes::{Rejection, State};
+use crate::schemes::{Rejection, State, StepReport};
 
-use super::finish::{extremes, largest};
+use super::finish::{extremes, in_slab, largest};
 use super::fracture::{self, Fractures};
 use super::rejections::Rejections;
 
@@ -62,7 +65,6 @@ pub fn exact_openings<const D: usize>(
 pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
     let mut columns = FIRST.map(str::to_owned).to_vec();
     let probes = || plan.output.probes.iter();
-    let volume = format!("m{D}");
     if plan.flow.is_some() {
         columns.extend(["pressure_min_Pa", "pressure_max_Pa"].map(str::to_owned));
         columns.extend(probes().map(|probe| pressure_at(&probe.name)));
@@ -84,12 +86,29 @@ pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
         }
     }
     if plan.flow.is_some() {
-        columns.extend(Side::all(D).map(|side| format!("outflow_{side}_{volume}_per_s")));
-        columns.extend(["injected", "outflow", "stored"].map(|name| format!("{name}_{volume}")));
+        columns.extend(Side::all(D).map(|side| format!("outflow_{side}_m3_per_s")));
+        columns.extend(held(plan).map(|name| format!("outflow_{name}_m3_per_s")));
+        let amount = match plan.time.mode {
+            TimeMode::Transient => "m3",
+            TimeMode::Steady => "m3_per_s",
+        };
+        let names = ["injected", "fixed", "outflow", "stored"];
+        columns.extend(names.map(|name| format!("{name}_{amount}")));
         columns.push("mass_balance".to_owned());
     }
     columns.extend(Rejection::ALL.map(|reason| format!("rejected_{}", reason.name())));
     columns
+}
+
+/// Names of what is held at a pressure, in the order of the flow model's loads: regions by their number
+/// in the scene, then cracks.
+fn held(plan: &Plan) -> impl Iterator<Item = String> + '_ {
+    let regions = plan.flow.iter().flat_map(|flow| 1..=flow.regions.len());
+    let cracks = plan.cracks.iter().filter(|crack| crack.pressure.is_some());
+    let cracks = cracks.map(|crack| format!("crack_{}", crack.name));
+    regions
+        .map(|number| format!("region_{number}"))
+        .chain(cracks)
 }
 
 fn plates<const D: usize>(mechanics: &MechanicsPlan) -> impl Iterator<Item = Side> + '_ {
@@ -101,29 +120,21 @@ pub fn row<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
     state: &State,
-    (dt, iterations, rejections): (f64, usize, Rejections),
+    (dt, report, rejections): (f64, &StepReport, Rejections),
     balance: &Balance,
     fractures: Option<&Fractures>,
 ) -> Vec<f64> {
-    let mut row = vec![state.time, dt, iterations as f64];
-    let places = &model.places.probes;
+    let mut row = vec![state.time, dt, report.iterations as f64];
+    let balance = &in_slab(plan, balance);
+    let probes = &model.places.probes;
     if let Some(flow) = &model.flow {
         row.extend(extremes(&state.pressure));
-        row.extend(
-            places
-                .iter()
-                .map(|at| flow.pressure_at(&state.pressure, state.time, at)),
-        );
+        row.extend(flow.pressures_at(&state.pressure, state.time, probes));
     }
     if let (Some(solid), Some(mechanics)) = (&model.solid, &plan.mechanics) {
         row.push(largest::<D>(&state.displacement));
-        for at in places {
-            row.extend(
-                solid
-                    .displacement_at(&state.displacement, &state.walls, at)
-                    .iter(),
-            );
-        }
+        let moved = solid.displacements_at(&state.displacement, &state.walls, probes);
+        row.extend(moved.iter().flat_map(|moved| moved.iter()));
         let place = |side: Side| {
             let on = |wall: &MovingWall| wall.side == side && wall.component == side.axis;
             let wall = solid.walls.iter().position(on);
@@ -144,9 +155,15 @@ pub fn row<const D: usize>(
         }
     }
     if let Some(flow) = &model.flow {
-        row.extend(flow.outflow(&state.pressure, state.time));
+        let rates = flow.outflow(&state.pressure, state.time).into_iter();
+        row.extend(rates.map(|rate| plan.thickness * rate));
+        // Volumes of a step; rates of a steady state.
+        let span = if dt > 0.0 { dt } else { 1.0 };
+        let brought = |load| report.flows.held.get(load).copied().unwrap_or(0.0);
+        row.extend((0..held(plan).count()).map(|load| -plan.thickness * brought(load) / span));
         row.extend([
             balance.injected,
+            balance.fixed,
             balance.outflow,
             balance.stored,
             balance.mass,

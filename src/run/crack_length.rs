@@ -6,28 +6,31 @@
 
 use std::f64::consts::PI;
 
-use crate::model::{Model, SolidModel};
+use crate::model::{Disc, Faces, Model, SolidModel};
 use crate::plan::{CrackPlace, CrackPlan, Plan};
 
-/// Length of the cracks that are there from the start, m; area of discs, m².
+/// Length of the cracks that are there from the start, m; area of discs in the domain, m².
 pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
-    let of = |(crack, band): (&CrackPlan, &Vec<u32>)| match &crack.place {
+    let of = |crack: &CrackPlan| match &crack.place {
         CrackPlace::Chain(points) => points
             .windows(2)
             .map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]))
             .sum(),
         CrackPlace::Disc { .. } => {
-            let Some(solid) = &model.solid else {
-                return 0.0;
-            };
-            let around = &solid.elastic.around;
-            let share = |&i: &u32| {
-                around.cloud.volume[i as usize] / (2.0 * around.families.horizon[i as usize])
-            };
-            band.iter().map(share).sum::<f64>()
+            Disc::of(&crack.place).map_or(0.0, |disc| disc.area(&model.cloud.domain))
         }
     };
-    plan.cracks.iter().zip(&model.bands.points).map(of).sum()
+    plan.cracks.iter().map(of).sum()
+}
+
+/// 2 where all cracks lie on planes of symmetry, so that half of every band is in the domain, else 1.
+pub fn faces_of_bands<const D: usize>(model: &Model<D>) -> f64 {
+    let cracks = &model.places.cracks;
+    let on_plane = |faces: &Vec<Faces<D>>| faces.iter().any(|faces| faces.mirrored != 0.0);
+    match !cracks.is_empty() && cracks.iter().all(on_plane) {
+        true => 2.0,
+        false => 1.0,
+    }
 }
 
 /// Length of a crack through the points that `broke`, m (area in 3-D, m²), which goes on in all that is
@@ -136,6 +139,28 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A quarter of a ring around the disc in a plane of symmetry, half of whose band is in the domain.
+    #[test]
+    fn a_ring_around_a_disc_on_a_plane_of_symmetry_has_its_area() {
+        let text = include_str!("../../cases/penny-3d/scene.toml");
+        let points = ["geometry.points=[20, 20, 20]".to_owned()];
+        let loaded = load_str("penny", text, Path::new(""), &points).unwrap();
+        let plan = resolve(&loaded, "penny").unwrap();
+        let model = Model::<3>::build(&plan, &mut Timers::default()).unwrap();
+        let solid = model.solid.as_ref().unwrap();
+        let within = |i: usize, from: f64| {
+            let place = model.cloud.position[i];
+            (from..0.6).contains(&place[0].hypot(place[1])) && place[2] < 0.1
+        };
+        let found = grown(solid, |i| within(i, 0.3), |i| within(i, 0.0));
+        let area = |rim: f64| PI * (rim * rim - 0.09) / 4.0;
+        let (found, tip) = (faces_of_bands(&model) * found, 1.75 * 0.09);
+        assert!(
+            (0.9 * area(0.6)..area(0.6 + tip)).contains(&found),
+            "{found}"
+        );
     }
 
     #[test]

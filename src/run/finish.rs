@@ -6,17 +6,18 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::columns::{exact_openings, openings};
+use super::summary::units;
 use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
 use crate::geometry::{Families, Side, Vector};
 use crate::model::FlowModel;
 use crate::plan::{
-    CrackKind, ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux,
+    CrackKind, Plan, ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux,
     exact_pressure,
 };
 use crate::reference::{ErrorNorms, ExactDisplacement};
-use crate::report::Counters;
-use crate::schemes::{SchemeCounters, State};
+use crate::report::{Balance, Counters};
+use crate::schemes::{Rejection, SchemeCounters, State};
 
 /// Mass balance, relative to the turnover, that is worth a warning.
 const POOR_BALANCE: f64 = 1e-8;
@@ -34,7 +35,9 @@ impl<const D: usize> Run<'_, D> {
         wall: f64,
     ) -> Result<(Summary, State), RunError> {
         self.warn_of_imbalance();
+        self.warn_of_failed_solves();
         self.warn_of_overlap();
+        self.tell_of_thinning();
         let model = &self.model;
         let flow = model.flow.as_ref();
         let solid = model.solid.as_ref();
@@ -50,6 +53,8 @@ impl<const D: usize> Run<'_, D> {
             operator: flow.map_or("none", |flow| flow.operator.name()),
             dimension: D,
             processes: partition.map_or(1, |own| own.team().size()),
+            thickness: (D == 2).then_some(self.plan.thickness),
+            units: units(D, self.plan.time.mode),
             points: model.cloud.len(),
             unknowns: flow.map_or(0, FlowModel::points) - prescribed
                 + solid.map_or(0, |solid| solid.unknowns()),
@@ -69,7 +74,7 @@ impl<const D: usize> Run<'_, D> {
             displacement_max: solid.map(|_| largest::<D>(&self.state.displacement)),
             coupling: self.coupling(&counters),
             results: self.plan.damage.map(|_| self.tracker.results.clone()),
-            balance: self.balance.clone(),
+            balance: in_slab(self.plan, &self.balance),
             consistency: flow
                 .and_then(|flow| flow.consistency)
                 .or(solid.and_then(|solid| solid.consistency)),
@@ -77,11 +82,12 @@ impl<const D: usize> Run<'_, D> {
             timers: self.timers.clone(),
             warnings: self.warnings.clone(),
         };
+        self.timers.end();
         if let Some(writer) = &mut self.writer {
             let start = Instant::now();
-            let drawn = writer.finish(self.plan, &self.model, &self.tracker);
+            let draw = || writer.finish(self.plan, &self.model, &self.tracker);
+            let drawn = self.timers.time("plots", draw);
             self.agree(drawn)?;
-            summary.timers.add("plots", start.elapsed().as_secs_f64());
             summary.wall_s += start.elapsed().as_secs_f64();
             if let Some(writer) = &self.writer {
                 self.agree(writer.summary(&summary))?;
@@ -140,6 +146,28 @@ impl<const D: usize> Run<'_, D> {
         self.warnings.push(message);
     }
 
+    fn tell_of_thinning(&mut self) {
+        if let Some(message) = self.writer.as_ref().and_then(|writer| writer.thinned()) {
+            self.observer.warn(&message);
+            self.warnings.push(message);
+        }
+    }
+
+    /// Steps that are shorter for the solver's sake are no property of the problem.
+    fn warn_of_failed_solves(&mut self) {
+        let failed = self.rejections.of(Rejection::Solver);
+        if failed == 0 {
+            return;
+        }
+        let message = format!(
+            "{failed} of {} tried steps were cut because the solver failed, not because of their error; \
+             another --solver may take longer steps",
+            self.steps + self.rejections.total()
+        );
+        self.observer.warn(&message);
+        self.warnings.push(message);
+    }
+
     /// Faces that are pressed together go through each other: nothing stops them yet.
     fn warn_of_overlap(&mut self) {
         let cracks = self.plan.cracks.iter().enumerate();
@@ -159,13 +187,13 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    /// Rate of outflow per side now, m^D/s.
+    /// Rate of outflow per side now, m³/s.
     fn outflow(&self) -> Option<BTreeMap<&'static str, f64>> {
         let flow = self.model.flow.as_ref()?;
         let rates = flow.outflow(&self.state.pressure, self.state.time);
         Some(
             Side::all(D)
-                .map(|side| (side.name(), rates[side.index()]))
+                .map(|side| (side.name(), self.plan.thickness * rates[side.index()]))
                 .collect(),
         )
     }
@@ -264,7 +292,7 @@ impl<const D: usize> Run<'_, D> {
 
     fn flux_error(&self) -> Option<FieldError> {
         let exact = exact_flux(self.plan)?;
-        let right = self.outflow()?.get("right").copied()?;
+        let right = self.outflow()?.get("right").copied()? / self.plan.thickness;
         let error = (right - exact).abs() / exact.abs();
         Some(FieldError {
             l2: error,
@@ -334,6 +362,23 @@ impl<const D: usize> Run<'_, D> {
             field_bytes: self.state.fields().into_iter().collect(),
             bytes: model.bytes().into_iter().collect(),
         }
+    }
+}
+
+/// A balance per metre of thickness as that of the slab that a plane stands for.
+pub(super) fn in_slab(plan: &Plan, balance: &Balance) -> Balance {
+    let whole = |value: f64| plan.thickness * value;
+    Balance {
+        injected: whole(balance.injected),
+        outflow: whole(balance.outflow),
+        fixed: whole(balance.fixed),
+        stored: whole(balance.stored),
+        turnover: whole(balance.turnover),
+        energy: balance.energy.map(whole),
+        potential: balance.potential.map(whole),
+        kinetic: balance.kinetic.map(whole),
+        work: balance.work.map(whole),
+        ..balance.clone()
     }
 }
 

@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use crate::geometry::Side;
+use crate::effects::vector;
+use crate::geometry::{Side, Vector};
 use crate::model::{Model, driven_walls};
-use crate::plan::{CrackPlan, MechanicsPlan, Plan};
+use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
 use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
-use super::crack_length::{grown, started};
+use super::crack_length::{faces_of_bands, grown, started};
 use super::rejections::Verdict;
 use super::scale::Scale;
 use super::time_loop::Run;
@@ -24,12 +25,12 @@ pub struct Fractures {
     /// Length of cracks from the start and of what broke since, m (area in 3-D, m²); the latter within
     /// about a tenth.
     pub crack_length: f64,
-    /// Energy that damage took, J (per metre of thickness in 2-D).
+    /// Energy that damage took, J.
     pub dissipated: f64,
-    /// Place of each driven wall, m, and the force that holds it there, N (N/m in 2-D).
+    /// Place of each driven wall, m, and the force that holds it there, N.
     pub walls: Vec<[f64; 2]>,
-    /// Pressure in each crack that has one, Pa: prescribed, or where fluid is pumped in.
-    pub pressure: Vec<f64>,
+    /// Cracks that have a pressure, and that pressure, Pa: prescribed, or where fluid is pumped in.
+    pub pressure: Vec<(usize, f64)>,
     /// Largest opening that fluid flows through, m; with flow in fractures.
     pub aperture: Option<f64>,
 }
@@ -41,7 +42,8 @@ impl Fractures {
         let damage = solid.damage.as_ref()?;
         let now = damage.of(&state.history);
         let fresh = |i: usize| now[i] >= BROKEN && state.history[i] > damage.initial[i];
-        let length = started(plan, model) + grown(solid, fresh, |i| now[i] >= BROKEN);
+        let grown = grown(solid, fresh, |i| now[i] >= BROKEN);
+        let length = started(plan, model) + grown * faces_of_bands(model);
         let forces = match solid.walls.is_empty() {
             true => Vec::new(),
             false => {
@@ -49,23 +51,23 @@ impl Fractures {
                 solid.wall_forces(&answer)
             }
         };
-        let pressure = |(number, crack): (usize, &CrackPlan)| match &crack.injection {
-            Some(_) => model.injection_pressure(number, &state.pressure),
-            None => crack
-                .pressure
-                .as_ref()
-                .map(|pressure| pressure.at(state.time)),
+        let pressure = |(number, crack): (usize, &CrackPlan)| {
+            let pressure = match &crack.injection {
+                Some(_) => model.injection_pressure(number, &state.pressure),
+                None => (crack.pressure.as_ref()).map(|pressure| pressure.at(state.time)),
+            };
+            Some((number, pressure?))
         };
         let largest = |openings: &[f64]| openings.iter().copied().fold(0.0, f64::max);
         Some(Fractures {
             aperture: model.fracture_flow.as_ref().map(|f| largest(&f.aperture)),
             crack_length: length,
-            dissipated: damage.dissipated(&model.cloud.volume, &state.history),
+            dissipated: plan.thickness * damage.dissipated(&model.cloud.volume, &state.history),
             walls: state
                 .walls
                 .iter()
                 .zip(forces)
-                .map(|(at, force)| [*at, force])
+                .map(|(at, force)| [*at, plan.thickness * force])
                 .collect(),
             pressure: plan
                 .cracks
@@ -109,7 +111,7 @@ pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Stri
 /// Values under the headings.
 pub fn row(fractures: &Fractures) -> Vec<f64> {
     let mut row: Vec<f64> = fractures.walls.iter().flatten().copied().collect();
-    row.extend(&fractures.pressure);
+    row.extend(fractures.pressure.iter().map(|(_, pressure)| pressure));
     row.extend([fractures.crack_length, fractures.dissipated]);
     row.extend(fractures.aperture);
     row
@@ -118,7 +120,7 @@ pub fn row(fractures: &Fractures) -> Vec<f64> {
 /// What a run with damage found.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Results {
-    /// Largest force on the wall that was driven furthest, kN (per millimetre of thickness in 2-D).
+    /// Largest force on the wall that was driven furthest, kN.
     #[serde(rename = "peak_force_kN", skip_serializing_if = "Option::is_none")]
     pub peak_force: Option<f64>,
     /// Place of that wall then, mm.
@@ -127,19 +129,26 @@ pub struct Results {
         skip_serializing_if = "Option::is_none"
     )]
     pub peak_displacement: Option<f64>,
-    /// Force over displacement of the first step, kN/mm (per millimetre of thickness in 2-D).
+    /// Force over displacement of the first step, kN/mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_stiffness: Option<f64>,
-    /// Energy that damage took, J (per metre of thickness in 2-D).
+    /// Energy that damage took, J.
     pub dissipated_energy: f64,
     /// Length of all cracks, m (area in 3-D, m²).
     pub crack_length: f64,
-    /// Pressure in the first crack that has one when rock began to break, Pa.
+    /// Pressure when rock began to break, Pa: that of the crack nearest to where it broke, among the
+    /// pumped ones, or without any among those of prescribed pressure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub onset_pressure: Option<f64>,
+    /// Name of that crack.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub onset_crack: Option<String>,
     /// Largest pressure where fluid is pumped in, Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_injection_pressure: Option<f64>,
+    /// Name of the crack that it was pumped into.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_injection_crack: Option<String>,
 }
 
 /// Follows what breaks.
@@ -151,55 +160,102 @@ pub struct Tracker {
     pub broken_at: Vec<f64>,
     /// The last figures.
     pub last: Option<Fractures>,
-    pumped: bool,
 }
 
 impl Tracker {
-    /// Follows nothing yet.
-    pub fn new(plan: &Plan) -> Self {
-        Tracker {
-            pumped: plan.cracks.iter().any(|crack| crack.injection.is_some()),
-            ..Tracker::default()
-        }
-    }
-
     /// Takes in the figures of an accepted state.
-    pub fn follow(&mut self, dimension: usize, time: f64, now: Option<Fractures>) {
+    pub fn follow<const D: usize>(
+        &mut self,
+        plan: &Plan,
+        model: &Model<D>,
+        time: f64,
+        now: Option<Fractures>,
+    ) {
         let Some(now) = now else { return };
         let first = self.broken_at.is_empty();
         self.broken_at.resize(now.damage.len(), f64::INFINITY);
-        let mut broke = false;
-        for (at, damage) in self.broken_at.iter_mut().zip(&now.damage) {
+        let mut broke = Vec::new();
+        for (point, (at, damage)) in self.broken_at.iter_mut().zip(&now.damage).enumerate() {
             if at.is_infinite() && *damage >= BROKEN {
                 *at = time;
-                broke = true;
+                broke.push(point);
             }
         }
+        self.results.dissipated_energy = now.dissipated;
+        self.results.crack_length = now.crack_length;
+        if !broke.is_empty() && !first && self.results.onset_pressure.is_none() {
+            let places: Vec<Vector<D>> = broke.iter().map(|i| model.cloud.position[*i]).collect();
+            self.note_onset(plan, &now, &places);
+        }
+        self.note_peak(plan, &now);
+        self.note_force(&now);
+        self.last = Some(now);
+    }
+
+    /// Keeps the pressure in the crack that is nearest to the `places` (m) that broke first.
+    fn note_onset<const D: usize>(&mut self, plan: &Plan, now: &Fractures, places: &[Vector<D>]) {
+        let pumped = |(crack, _): &&(usize, f64)| plan.cracks[*crack].injection.is_some();
+        let any = now.pressure.iter().any(|own| pumped(&own));
+        let gap = |(crack, _): &&(usize, f64)| {
+            let to = |x: &Vector<D>| distance(&plan.cracks[*crack], x);
+            places.iter().map(to).fold(f64::INFINITY, f64::min)
+        };
+        let candidates = now.pressure.iter().filter(|own| !any || pumped(own));
+        let nearest = candidates.min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        self.results.onset_pressure = nearest.map(|(_, pressure)| *pressure);
+        self.results.onset_crack = nearest.map(|(crack, _)| plan.cracks[*crack].name.clone());
+    }
+
+    fn note_peak(&mut self, plan: &Plan, now: &Fractures) {
+        for (crack, pressure) in &now.pressure {
+            let crack = &plan.cracks[*crack];
+            let peak = &mut self.results.peak_injection_pressure;
+            if crack.injection.is_some() && peak.is_none_or(|peak| *pressure > peak) {
+                *peak = Some(*pressure);
+                self.results.peak_injection_crack = Some(crack.name.clone());
+            }
+        }
+    }
+
+    fn note_force(&mut self, now: &Fractures) {
         let results = &mut self.results;
-        results.dissipated_energy = now.dissipated;
-        results.crack_length = now.crack_length;
-        if broke && !first && results.onset_pressure.is_none() {
-            results.onset_pressure = now.pressure.first().copied();
-        }
-        if let Some(pressure) = now.pressure.first().filter(|_| self.pumped) {
-            let peak = results.peak_injection_pressure.get_or_insert(*pressure);
-            *peak = peak.max(*pressure);
-        }
         let furthest = now
             .walls
             .iter()
             .max_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
         if let Some([place, force]) = furthest.filter(|wall| wall[0].abs() > 0.0) {
-            // A plane is a slice of one metre; its forces are given per millimetre.
-            let thickness = if dimension == 2 { 1e-3 } else { 1.0 };
-            let (millimetres, force) = (1e3 * place.abs(), 1e-3 * thickness * force.abs());
+            let (millimetres, force) = (1e3 * place.abs(), 1e-3 * force.abs());
             results.initial_stiffness.get_or_insert(force / millimetres);
             if results.peak_force.is_none_or(|peak| force > peak) {
                 results.peak_force = Some(force);
                 results.peak_displacement = Some(millimetres);
             }
         }
-        self.last = Some(now);
+    }
+}
+
+/// Distance from a crack to a place, m.
+fn distance<const D: usize>(crack: &CrackPlan, x: &Vector<D>) -> f64 {
+    match &crack.place {
+        CrackPlace::Chain(points) => {
+            let ends = points.windows(2).map(|ends| {
+                let [a, b] = [vector::<D>(&ends[0]), vector::<D>(&ends[1])];
+                let along = b - a;
+                let share = (x - a).dot(&along) / along.norm_squared();
+                (x - a - along * share.clamp(0.0, 1.0)).norm()
+            });
+            ends.fold(f64::INFINITY, f64::min)
+        }
+        CrackPlace::Disc {
+            centre,
+            normal,
+            radius,
+        } => {
+            let (arm, normal) = (x - vector(centre), vector::<D>(normal));
+            let across = arm.dot(&normal);
+            let beyond = ((arm - normal * across).norm() - radius).max(0.0);
+            across.hypot(beyond)
+        }
     }
 }
 

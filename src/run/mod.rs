@@ -10,6 +10,7 @@ mod fracture;
 mod rejections;
 mod scale;
 mod stops;
+mod suction;
 mod summary;
 mod time_loop;
 mod writer;
@@ -21,3 +22,5 @@ pub use fracture::Results;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};
 pub use writer::Writer;
+
+pub use perifrac_solvers::Interrupt;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::fracture::Results;
+use crate::plan::TimeMode;
 use crate::reference::ErrorNorms;
 use crate::report::{Balance, Counters, Timers};
 use crate::schemes::StepLimit;
@@ -28,6 +29,12 @@ pub struct Summary {
     pub dimension: usize,
     /// Processes that worked on it.
     pub processes: usize,
+    /// Extent across the plane, m: forces, rates, volumes and energies are those of a slab this thick.
+    /// `None` in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<f64>,
+    /// Unit of every figure that has one, by its place in this summary.
+    pub units: BTreeMap<&'static str, &'static str>,
     /// Points.
     pub points: usize,
     /// Unknowns of the linear system.
@@ -54,7 +61,7 @@ pub struct Summary {
     pub errors: BTreeMap<&'static str, FieldError>,
     /// The same at every output time, the end included.
     pub errors_over_time: Vec<TimedErrors>,
-    /// Rate of outflow per side at the end, m^D/s.
+    /// Rate of outflow per side at the end, m³/s.
     pub outflow: BTreeMap<&'static str, f64>,
     /// Smallest and largest pressure at the end, Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,6 +85,52 @@ pub struct Summary {
     pub timers: Timers,
     /// What the user should know.
     pub warnings: Vec<String>,
+}
+
+/// Units of the figures of a summary; those of flow in steady states are rates.
+pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<&'static str, &'static str> {
+    let volume = match mode {
+        TimeMode::Transient => "m^3",
+        TimeMode::Steady => "m^3/s",
+    };
+    let mut units = BTreeMap::from([
+        ("wall_s", "s"),
+        ("t_end", "s"),
+        ("thickness", "m"),
+        ("limit.dt", "s"),
+        ("outflow", "m^3/s"),
+        ("pressure_range", "Pa"),
+        ("displacement_max", "m"),
+        ("coupling.consolidation", "m^2/s"),
+        ("coupling.step_limit", "s"),
+        ("results.peak_force_kN", "kN"),
+        ("results.peak_displacement_mm", "mm"),
+        ("results.initial_stiffness", "kN/mm"),
+        ("results.dissipated_energy", "J"),
+        ("results.onset_pressure", "Pa"),
+        ("results.peak_injection_pressure", "Pa"),
+        ("balance.energy", "J"),
+        ("balance.potential", "J"),
+        ("balance.kinetic", "J"),
+        ("balance.work", "J"),
+        ("timers", "s"),
+        ("errors.pressure.range", "Pa"),
+        ("errors.displacement.range", "m"),
+        ("errors.opening.range", "m"),
+        ("counters.bytes", "B"),
+        ("counters.field_bytes", "B"),
+    ]);
+    let places = [
+        "balance.injected",
+        "balance.outflow",
+        "balance.fixed",
+        "balance.stored",
+        "balance.turnover",
+    ];
+    units.extend(places.map(|place| (place, volume)));
+    let length = if dimension == 2 { "m" } else { "m^2" };
+    units.insert("results.crack_length", length);
+    units
 }
 
 /// Errors at one output.

@@ -1,10 +1,9 @@
 //! The time loop.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use perifrac_solvers::Team;
+use perifrac_solvers::{Interrupt, Team};
 
 use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
@@ -59,7 +58,7 @@ pub fn run<const D: usize>(
     plan: &Plan,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     run_with::<D>(plan, None, writer, observer, interrupt)
 }
@@ -74,10 +73,11 @@ pub fn run_with<const D: usize>(
     team: Option<&Arc<dyn Team>>,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     let started = Instant::now();
     let mut timers = Timers::default();
+    timers.begin("other");
     let model = Model::<D>::build_with(plan, team, &mut timers)?;
     let warnings: Vec<String> = plan
         .warnings
@@ -103,14 +103,16 @@ pub fn run_with<const D: usize>(
         rejections: Rejections::default(),
         last_output: None,
         timed_errors: Vec::new(),
-        tracker: Tracker::new(plan),
+        tracker: Tracker::default(),
         drawn: 0.0,
+        pressed: Some(0.0),
+        aside: SchemeCounters::default(),
     };
     run.start_volume = run.stored(&run.state);
-    let effort = match plan.time.mode {
-        TimeMode::Steady => run.steady()?,
-        TimeMode::Transient => run.transient()?,
-    };
+    let effort = interrupt.during(|| match plan.time.mode {
+        TimeMode::Steady => run.steady(),
+        TimeMode::Transient => run.transient(),
+    })?;
     let wall = started.elapsed().as_secs_f64();
     run.finish(effort, wall)
 }
@@ -128,7 +130,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) model: Model<D>,
     pub(super) writer: Option<&'a mut Writer>,
     pub(super) observer: &'a mut dyn Observer,
-    pub(super) interrupt: &'a AtomicBool,
+    pub(super) interrupt: &'a Interrupt,
     pub(super) timers: Timers,
     pub(super) warnings: Vec<String>,
     pub(super) start_volume: f64,
@@ -142,10 +144,18 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) tracker: Tracker,
     /// Length of the cracks at the last output that their growth asked for, m.
     pub(super) drawn: f64,
+    /// Largest pressure so far, in absolute amount, Pa; `None` once one below zero was reported.
+    pub(super) pressed: Option<f64>,
+    /// Work beside that of the scheme: the step that finds the range.
+    aside: SchemeCounters,
 }
 
 impl<const D: usize> Run<'_, D> {
     fn failed(&self, source: StepError) -> RunError {
+        if source.is_interruption() {
+            let time = self.state.time;
+            return RunError::Interrupted { time };
+        }
         RunError::Step {
             scheme: self.scheme_name.clone(),
             source,
@@ -158,9 +168,8 @@ impl<const D: usize> Run<'_, D> {
         if self.is_interrupted() {
             return Err(RunError::Interrupted { time: 0.0 });
         }
-        let start = Instant::now();
-        let solved = self.steady_state();
-        self.timers.add("solve", start.elapsed().as_secs_f64());
+        let timers = self.timers.clone();
+        let solved = timers.time("solve", || self.steady_state());
         let (report, counters, solver) = solved.map_err(|error| self.failed(error))?;
         let rates = StepReport {
             stored: Some(0.0),
@@ -168,10 +177,15 @@ impl<const D: usize> Run<'_, D> {
         };
         let balanced = self.audit(&rates, &self.state);
         self.balance = balanced.map_err(|error| self.failed(error))?;
-        self.start_history()?;
-        self.write_history(0.0, &report)?;
-        self.write_fields()?;
+        timers.time("output", || self.first_output(&report))?;
         Ok((counters, solver, None))
+    }
+
+    fn first_output(&mut self, report: &StepReport) -> Result<(), RunError> {
+        self.start_history()?;
+        self.write_history(0.0, report)?;
+        self.drawn = self.tracker.results.crack_length;
+        self.write_fields()
     }
 
     /// The drained state: flow first, then the solid under its pressure.
@@ -206,36 +220,37 @@ impl<const D: usize> Run<'_, D> {
     fn transient(&mut self) -> Result<Effort, RunError> {
         let plan = self.plan;
         self.scheme_name = plan.scheme.name().to_owned();
-        let built = schemes::build(plan, &self.model);
+        let timers = self.timers.clone();
+        let built = timers.time("scheme", || schemes::build(plan, &self.model));
         let mut scheme = built.map_err(|error| self.failed(error))?;
         self.scheme_name = scheme.name().to_owned();
-        let start = Instant::now();
-        let started = scheme.start(&mut self.model, &mut self.state);
-        self.timers.add("start", start.elapsed().as_secs_f64());
+        let started = timers.time("start", || scheme.start(&mut self.model, &mut self.state));
         started.map_err(|error| self.failed(error))?;
         // The start moves no fluid, but for what points of prescribed pressure take in.
         self.start_volume = self.stored(&self.state);
-        let mut scale = self.scale().map_err(|error| self.failed(error))?;
+        let scale = timers.time("range", || self.scale());
+        let mut scale = scale.map_err(|error| self.failed(error))?;
         let mut control = self.control(&*scheme);
         let mut stops = Stops::new(plan, &self.model.breakpoints());
         let balanced = self.audit(&StepReport::default(), &self.state);
         self.balance = balanced.map_err(|error| self.failed(error))?;
-        self.start_history()?;
-        self.write_history(0.0, &StepReport::default())?;
-        self.drawn = self.tracker.results.crack_length;
-        self.write_fields()?;
+        timers.time("output", || self.first_output(&StepReport::default()))?;
         let mut trial = self.state.clone();
         while let Some(stop) = stops.next() {
             self.check_limits()?;
             let allowed = self.allowed(&*scheme).min(control.dt());
             let dt = clamp(allowed, stop.time - self.state.time);
-            let start = Instant::now();
-            let outcome = scheme.step(&mut self.model, &self.state, dt, &mut trial);
-            self.timers.add("steps", start.elapsed().as_secs_f64());
-            let audited = outcome.and_then(|report| Ok((self.audit(&report, &trial)?, report)));
+            let step = || scheme.step(&mut self.model, &self.state, dt, &mut trial);
+            let outcome = timers.time("steps", step);
+            let audit = |report| Ok((self.audit(&report, &trial)?, report));
+            let audited = outcome.and_then(|report| timers.time("audit", || audit(report)));
             let (balance, report) = match audited {
                 Ok(sound) => sound,
                 Err(error) => {
+                    if error.is_interruption() {
+                        // The state before the step stands, and is written.
+                        self.check_limits()?;
+                    }
                     self.rejections.count(error.reason());
                     if error.is_final() || !control.cut(dt, SMALLEST * plan.time.end) {
                         return Err(self.failed(error));
@@ -261,7 +276,9 @@ impl<const D: usize> Run<'_, D> {
             scale.cover(&self.model, &self.state.pressure);
             self.accepted(dt, &report, stop.output && reached)?;
         }
-        Ok((scheme.counters(), scheme.solver(), scheme.limit().cloned()))
+        let mut counters = scheme.counters();
+        counters.add(&self.aside);
+        Ok((counters, scheme.solver(), scheme.limit().cloned()))
     }
 
     /// Steps that fall below all measure will not end the run.
@@ -275,12 +292,14 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<(), RunError> {
-        let start = Instant::now();
-        self.write_history(dt, report)?;
-        if output | self.has_grown() {
-            self.write_fields()?;
-        }
-        self.timers.add("output", start.elapsed().as_secs_f64());
+        let timers = self.timers.clone();
+        timers.time("output", || {
+            self.write_history(dt, report)?;
+            match output | self.has_grown() {
+                true => self.write_fields(),
+                false => Ok(()),
+            }
+        })?;
         self.observer.step(&Progress {
             time: self.state.time,
             end: self.plan.time.end,
@@ -296,7 +315,7 @@ impl<const D: usize> Run<'_, D> {
 
     /// Whether the user stopped any of the processes.
     fn is_interrupted(&self) -> bool {
-        let mut stopped = [f64::from(u8::from(self.interrupt.load(Ordering::Relaxed)))];
+        let mut stopped = [f64::from(u8::from(self.interrupt.is_raised()))];
         self.model.share().sum(&mut stopped);
         stopped[0] > 0.5
     }
@@ -373,7 +392,9 @@ impl<const D: usize> Run<'_, D> {
         let stage = Box::new(FlowStage::new(&self.plan.stage_demand(), flow)?);
         let mut probe = Implicit::new(Integrator::BackwardEuler, stage, false);
         let mut far = self.state.clone();
-        probe.step(&mut self.model, &self.state, self.plan.time.end, &mut far)?;
+        let tried = probe.step(&mut self.model, &self.state, self.plan.time.end, &mut far);
+        self.aside.add(&probe.counters());
+        tried?;
         scale.cover(&self.model, &far.pressure);
         Ok(scale)
     }
@@ -387,9 +408,11 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn write_history(&mut self, dt: f64, report: &StepReport) -> Result<(), RunError> {
+        self.watch_suction();
         if self.plan.damage.is_some() {
             let now = Fractures::of(self.plan, &self.model, &self.state);
-            self.tracker.follow(D, self.state.time, now);
+            let time = self.state.time;
+            self.tracker.follow(self.plan, &self.model, time, now);
         }
         let Some(writer) = &mut self.writer else {
             return Ok(());
@@ -398,7 +421,7 @@ impl<const D: usize> Run<'_, D> {
             self.plan,
             &self.model,
             &self.state,
-            (dt, report.iterations, self.rejections),
+            (dt, report, self.rejections),
             &self.balance,
             self.tracker.last.as_ref(),
         );

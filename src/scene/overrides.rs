@@ -13,7 +13,7 @@ pub(super) fn apply(
 ) -> Vec<Diagnostic> {
     let mut faults = Vec::new();
     for (index, text) in overrides.iter().enumerate() {
-        let offset = sources.add(&format!("--set #{}", index + 1), text);
+        let offset = sources.add_typed(&format!("--set #{}", index + 1), text);
         match read(text, offset) {
             Ok(Node {
                 value: Value::Table(new),

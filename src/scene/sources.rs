@@ -10,6 +10,8 @@ struct Source {
     name: String,
     text: String,
     offset: usize,
+    /// Whether it stood on the command line.
+    is_typed: bool,
 }
 
 /// The scene file and the `--set` texts, laid end to end so that one [`Span`] finds its text.
@@ -26,8 +28,17 @@ impl Sources {
         sources
     }
 
-    /// Appends a text; returns the offset its spans are to be shifted by.
+    /// Appends the text of a file; returns the offset its spans are to be shifted by.
     pub(super) fn add(&mut self, name: &str, text: &str) -> usize {
+        self.push(name, text, false)
+    }
+
+    /// Appends a text of the command line, likewise.
+    pub(super) fn add_typed(&mut self, name: &str, text: &str) -> usize {
+        self.push(name, text, true)
+    }
+
+    fn push(&mut self, name: &str, text: &str, is_typed: bool) -> usize {
         // One byte is left between two texts, so that a span at the very end of one of them
         // cannot be taken for the beginning of the next.
         let offset = self
@@ -38,6 +49,7 @@ impl Sources {
             name: name.to_owned(),
             text: text.to_owned(),
             offset,
+            is_typed,
         });
         offset
     }
@@ -45,6 +57,13 @@ impl Sources {
     /// Name of the scene file, as it was given.
     pub fn name(&self) -> &str {
         self.list.first().map_or("", |source| &source.name)
+    }
+
+    /// Whether a span lies in a text of the command line rather than in a file.
+    pub fn is_typed(&self, span: Span) -> bool {
+        let mut list = self.list.iter().rev();
+        let source = list.find(|source| source.offset <= span.start);
+        source.is_some_and(|source| source.is_typed)
     }
 
     /// The text in which a span lies: its name, the whole text, and the range inside it.

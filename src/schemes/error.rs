@@ -299,6 +299,11 @@ fn remedy(relaxation: f64) -> &'static str {
 }
 
 impl StepError {
+    /// Whether the user stopped the step, which says nothing of the scheme.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, StepError::Solve(SolveError::Interrupted))
+    }
+
     /// What the step did not meet.
     pub fn reason(&self) -> Rejection {
         match self {
@@ -325,11 +330,14 @@ impl StepError {
 
     /// Whether a smaller step cannot help.
     pub fn is_final(&self) -> bool {
+        // Strain that lags without its full counterweight amplifies itself in steps of any length.
+        if let StepError::CouplingDiverged { relaxation, .. } = self {
+            return *relaxation < 1.0;
+        }
         matches!(
             self,
             StepError::Unstable { .. }
                 | StepError::CouplingUnstable { .. }
-                | StepError::CouplingDiverged { .. }
                 | StepError::FractureUnstable { .. }
                 | StepError::Missing { .. }
                 | StepError::Refused { .. }

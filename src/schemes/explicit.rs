@@ -216,7 +216,8 @@ impl<const D: usize> ForwardEuler<D> {
         for fixed in &flow.fixed {
             let free = trial.pressure[fixed.point];
             trial.pressure[fixed.point] = flow.fixed_loads[fixed.load].at(trial.time);
-            report.flows.fixed += (trial.pressure[fixed.point] - free) * self.storage[fixed.point];
+            let gain = (trial.pressure[fixed.point] - free) * self.storage[fixed.point];
+            report.flows.hold(fixed.load, gain);
         }
         report
     }

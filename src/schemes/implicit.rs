@@ -200,7 +200,7 @@ pub(super) fn weigh<const D: usize>(
     let mut sum = Flows::default();
     for &(weight, pressure, time, imbalance) in stages {
         let mut flows = flow.flows(pressure, time);
-        flows.fixed = flow.fixed_inflow(imbalance);
+        flow.add_fixed_inflow(imbalance, &mut flows);
         sum.add(weight, &flows);
     }
     sum
@@ -219,11 +219,11 @@ pub(super) fn close_fixed<const D: usize>(
     let content = model.content(&change.displacement, &change.walls);
     let mut rough = vec![0.0; content.len()];
     flow.subtract_stabilisation(&change.pressure, &mut rough);
-    let gain = flow.fixed.iter().map(|f| {
-        let i = f.point;
-        flow.capacity[i] * change.pressure[i] + content[i] - rough[i]
-    });
-    flows.fixed += gain.sum::<f64>();
+    for fixed in &flow.fixed {
+        let i = fixed.point;
+        let gain = flow.capacity[i] * change.pressure[i] + content[i] - rough[i];
+        flows.hold(fixed.load, gain);
+    }
 }
 
 impl<const D: usize> Scheme<D> for Implicit<D> {

@@ -21,9 +21,11 @@ mod relaxation;
 mod solid;
 mod stage;
 mod staggered;
+mod stagnation;
 mod state;
 mod steady;
 mod system;
+mod timed;
 mod undrained;
 mod verlet;
 
@@ -95,6 +97,29 @@ pub struct SchemeCounters {
     pub relaxation_iterations: u64,
     /// Single steps of the solid.
     pub single_steps: u64,
+}
+
+impl SchemeCounters {
+    /// Adds the work of another scheme of the same run.
+    pub fn add(&mut self, other: &SchemeCounters) {
+        self.products += other.products;
+        self.solver.add(&other.solver);
+        if let Some(mechanics) = &other.mechanics {
+            self.mechanics.get_or_insert_default().add(mechanics);
+        }
+        self.newton_iterations += other.newton_iterations;
+        self.fallbacks += other.fallbacks;
+        self.searches += other.searches;
+        self.refilled_families += other.refilled_families;
+        self.coupling_iterations += other.coupling_iterations;
+        self.contraction = self
+            .contraction
+            .into_iter()
+            .chain(other.contraction)
+            .reduce(f64::max);
+        self.relaxation_iterations += other.relaxation_iterations;
+        self.single_steps += other.single_steps;
+    }
 }
 
 /// A time scheme. `old` is never changed and `trial` is dropped on rejection, so a failed step

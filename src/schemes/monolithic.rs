@@ -63,7 +63,7 @@ impl Monolithic {
             schur_diagonal: Some(&block.schur_diagonal),
             ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
         };
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
         Ok(Monolithic {
             solver,
             chosen,
@@ -272,7 +272,8 @@ impl<const D: usize> Stage<D> for Monolithic {
             return Ok(());
         }
         self.coefficient = None;
-        self.block.fill(flow_of(model)?, a);
+        let flow = flow_of(model)?;
+        model.timers.time("assembly", || self.block.fill(flow, a));
         self.solver.refresh(self.block.matrix.view())?;
         self.build_border(solid_of(model)?)?;
         self.coefficient = Some(a);

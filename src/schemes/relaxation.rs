@@ -4,7 +4,7 @@
 //! that a pseudo-step of one is stable whatever the stiffness. Damping is critical for the local
 //! stiffness that the last step showed (Eqs. 65 and 66), smoothed (Eq. 67) and bounded (Eq. 68).
 
-use perifrac_solvers::{dot, norm2};
+use perifrac_solvers::{SolveError, dot, interrupted, norm2};
 use rayon::prelude::*;
 
 use super::solid::SolidSolver;
@@ -115,6 +115,9 @@ impl Relaxation {
         motion.stiffness.copy_from_slice(&self.stiffness);
         let mut outcome = Err(0.0);
         for iteration in 1..=self.options.adr_iterations {
+            if interrupted() {
+                break;
+            }
             motion.kick::<D>(&force);
             state
                 .displacement
@@ -140,6 +143,9 @@ impl Relaxation {
         self.mass = Some((solid.refills, mass));
         let done = *outcome.as_ref().unwrap_or(&self.options.adr_iterations);
         self.iterations += done as u64;
+        if interrupted() {
+            return Err(SolveError::Interrupted.into());
+        }
         outcome.map_err(|size| StepError::NotRelaxed {
             time: state.time,
             iterations: done,

@@ -6,8 +6,10 @@ use perifrac_solvers::{
     choose, norm2,
 };
 
+use super::timed::TimedSolver;
 use super::{SchemeCounters, State, StepError, solid_of};
 use crate::model::{Model, SolidModel};
+use crate::report::Timers;
 
 /// Brings the solid to equilibrium.
 pub trait SolidSolver<const D: usize>: Send {
@@ -64,7 +66,7 @@ impl Assembled {
     pub fn new<const D: usize>(demand: &Demand, solid: &SolidModel<D>) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
         let problem = mechanics_problem(solid, &coordinates, demand.solves);
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &solid.timers)?;
         Ok(Assembled {
             solver,
             chosen,
@@ -138,13 +140,14 @@ pub fn volume_stiffness<const D: usize>(solid: &SolidModel<D>) -> f64 {
 /// A linear solver and why it was chosen.
 pub type Chosen = (String, String);
 
-/// Builds the solver of a spec for a problem; `auto` is chosen by the problem.
+/// Builds the solver of a spec for a problem, timed by `timers`; `auto` is chosen by the problem.
 ///
 /// # Errors
 /// [`StepError`] if the solver is refused.
 pub fn build_solver(
     spec: &SolverSpec,
     problem: &Problem<'_>,
+    timers: &Timers,
 ) -> Result<(Box<dyn LinearSolver>, Chosen), StepError> {
     let (spec, reason) = match spec.name() {
         "auto" => {
@@ -153,9 +156,9 @@ pub fn build_solver(
         }
         _ => (spec.clone(), "asked for".to_owned()),
     };
-    let mut solver = spec.build()?;
+    let mut solver = TimedSolver::new(spec.build()?, timers.clone());
     solver.analyse(problem)?;
-    Ok((solver, (spec.to_string(), reason)))
+    Ok((Box::new(solver), (spec.to_string(), reason)))
 }
 
 /// Largest over smallest of positive numbers; 1 without any.

@@ -7,6 +7,7 @@
 use super::mixer::{Guess, Mixer};
 use super::solid::SolidSolver;
 use super::stage::{Stage, Target};
+use super::stagnation::Stagnation;
 use super::undrained::undrained;
 use super::{
     ImplicitSystem, Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
@@ -220,6 +221,7 @@ impl<const D: usize> Staggered<D> {
             true => Acceleration::None,
             false => self.options.acceleration,
         });
+        let mut stagnation = Stagnation::new();
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
         for pass in 1..=self.options.coupling_iterations {
             let pressure = self.flow_pass(model, target, rhs, &guess, report)?;
@@ -235,14 +237,15 @@ impl<const D: usize> Staggered<D> {
             }
             report.passes += 1;
             report.residual = Some(left / scale.max(f64::MIN_POSITIVE));
-            if left <= self.tolerance * scale || once {
+            let stuck = stagnation.note(left);
+            if left <= self.allowed(stuck) * scale || once {
                 self.lags.trial[target.slot] = Some(Lag {
                     dt: target.dt,
                     found,
                 });
                 return Ok(state.since(target.base));
             }
-            if left.is_nan() || left > GROWTH * first.max(scale) {
+            if left.is_nan() || left > GROWTH * first.max(scale) || stuck >= GIVEN_UP {
                 return self.diverged(model, target.time, pass, [left / scale, left / first]);
             }
             (last, relative) = (left, left / scale);
@@ -250,6 +253,15 @@ impl<const D: usize> Staggered<D> {
         }
         let passes = self.options.coupling_iterations;
         self.diverged(model, target.time, passes, [relative, last / first])
+    }
+
+    /// Disagreement over its scale that is allowed after so many passes without progress: relaxation may leave
+    /// more than what passes are to agree to, and then more of them change nothing.
+    fn allowed(&self, stuck: usize) -> f64 {
+        match self.tolerance >= FAIR && stuck >= PATIENCE {
+            true => self.tolerance.max(STALLED),
+            false => self.tolerance,
+        }
     }
 
     /// Whether the form of the paper is asked for, in which strain lags behind by a step.
@@ -324,6 +336,11 @@ impl<const D: usize> Staggered<D> {
 
 /// Disagreement, relative to the terms of the mass balance, that makes a lagged strain a fair guess.
 const FAIR: f64 = 1e-3;
+/// The same once passes make no progress any more: the audit of the step has the last word.
+const STALLED: f64 = 1e-2;
+/// Passes without progress after which that holds, and after which passes are given up.
+const PATIENCE: usize = 4;
+const GIVEN_UP: usize = 30;
 /// Share of what the pores hold that counts in the scale: steps may be so small that their own
 /// changes drown in rounding errors.
 const FLOOR: f64 = 1e-3;

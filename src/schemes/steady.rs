@@ -50,7 +50,7 @@ pub fn solve_steady<const D: usize>(
     }
     let mut flows = flow.flows(&state.pressure, state.time);
     flow.imbalance(state.time, &state.pressure, &mut imbalance);
-    flows.fixed = flow.fixed_inflow(&imbalance);
+    flow.add_fixed_inflow(&imbalance, &mut flows);
     let report = StepReport {
         iterations,
         flows,

@@ -64,7 +64,7 @@ impl ImplicitSystem {
             }),
             ..Problem::new(flow.view(&values), Symmetry::PositiveDefinite, 1)
         };
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &flow.timers)?;
         Ok(ImplicitSystem {
             solver,
             chosen,
@@ -117,6 +117,20 @@ impl ImplicitSystem {
             return Ok(());
         }
         self.coefficient = None;
+        (flow.timers.clone()).time("assembly", || self.fill(flow, storage, a, ground));
+        self.solver.refresh(flow.view(&self.values))?;
+        self.coefficient = Some(a);
+        Ok(())
+    }
+
+    /// Sets the values to those of S + a L.
+    fn fill<const D: usize>(
+        &mut self,
+        flow: &FlowModel<D>,
+        storage: &[f64],
+        a: f64,
+        ground: &[usize],
+    ) {
         self.values
             .iter_mut()
             .zip(&flow.conductance)
@@ -140,9 +154,6 @@ impl ImplicitSystem {
         }
         flow.share().complete(&mut self.ground, 1);
         self.fix_rows(flow);
-        self.solver.refresh(flow.view(&self.values))?;
-        self.coefficient = Some(a);
-        Ok(())
     }
 
     /// Replaces rows and columns of fixed points, keeping their diagonal as the scale.

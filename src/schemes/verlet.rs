@@ -123,7 +123,9 @@ impl Verlet {
         };
         report.flows.add(dt, &flow.flows(used, at));
         let gain = |i: usize| flow.capacity[i] * change[i] + content[i] - dt * imbalance[i];
-        report.flows.fixed = flow.fixed.iter().map(|fixed| gain(fixed.point)).sum();
+        for fixed in &flow.fixed {
+            report.flows.hold(fixed.load, gain(fixed.point));
+        }
         Ok(())
     }
 }

@@ -1,8 +1,9 @@
 //! Running the variants of a study: in turns, within a budget, and never twice.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+use crate::run::Interrupt;
 
 use super::{Log, Measured, Row, Runner, Status, StudyError, Subject, Variant, profile};
 
@@ -31,7 +32,7 @@ pub struct Campaign<'a> {
     /// Longest single run.
     pub limit: Duration,
     /// Set by ctrl-C.
-    pub interrupt: &'a AtomicBool,
+    pub interrupt: &'a Interrupt,
 }
 
 impl<'a> Campaign<'a> {
@@ -44,7 +45,7 @@ impl<'a> Campaign<'a> {
         folder: &Path,
         repetitions: u32,
         (budget, limit): (Duration, Duration),
-        interrupt: &'a AtomicBool,
+        interrupt: &'a Interrupt,
     ) -> Result<Self, StudyError> {
         Ok(Campaign {
             subject,
@@ -88,7 +89,7 @@ impl<'a> Campaign<'a> {
                 });
                 let Some(row) = self.row(variant, repetition, too_long)? else {
                     complete = false;
-                    if self.interrupt.load(Ordering::Relaxed) {
+                    if self.interrupt.is_raised() {
                         break 'rounds;
                     }
                     continue;
@@ -130,7 +131,7 @@ impl<'a> Campaign<'a> {
             )));
         }
         let left = self.deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() || self.interrupt.load(Ordering::Relaxed) {
+        if left.is_zero() || self.interrupt.is_raised() {
             return Ok(None);
         }
         let folder = tempfile::tempdir().map_err(StudyError::Program)?;

@@ -3,13 +3,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use wait4::{ResUse, Wait4};
 
 use super::StudyError;
+use crate::run::Interrupt;
 
 /// What a child process did.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +71,7 @@ impl Runner {
         overrides: &[String],
         folder: &Path,
         limit: Duration,
-        interrupt: &AtomicBool,
+        interrupt: &Interrupt,
     ) -> Result<Option<Ended>, StudyError> {
         let printed = |name: &str| std::fs::File::create(folder.join(name));
         let mut command = Command::new(&self.program);
@@ -91,7 +91,7 @@ impl Runner {
         let ResUse { status, rusage } = child.wait4().map_err(StudyError::Program)?;
         let wall_s = start.elapsed().as_secs_f64();
         // An interruption from the keyboard reaches the child as well.
-        if stopped == Some(Stopped::Interrupted) || interrupt.load(Ordering::Relaxed) {
+        if stopped == Some(Stopped::Interrupted) || interrupt.is_raised() {
             return Ok(None);
         }
         let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
@@ -133,13 +133,13 @@ fn watch(
     child: &mut Child,
     start: Instant,
     limit: Duration,
-    interrupt: &AtomicBool,
+    interrupt: &Interrupt,
 ) -> io::Result<Option<Stopped>> {
     loop {
         if has_ended(child)? {
             return Ok(None);
         }
-        let stop = match interrupt.load(Ordering::Relaxed) {
+        let stop = match interrupt.is_raised() {
             true => Some(Stopped::Interrupted),
             false => (start.elapsed() > limit).then_some(Stopped::TooLong),
         };

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::findings::{Table, count, seconds, short};
 use super::html::{escape, figure, page, paragraph, table};
 use super::{Machine, StudyError};
-use crate::output::{OutputError, write_atomically};
+use crate::output::{Manifest, OutputError, write_atomically};
 
 /// Writes `report.html` into the folder of a run, from the files the run left there.
 ///
@@ -38,7 +38,7 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
         ("Counters", "counters"),
         ("Seconds per phase", "timers"),
     ] {
-        body += &values(title, &summary[key]);
+        body += &values(title, key, &summary);
     }
     if !scene.is_empty() {
         body += &format!(
@@ -50,6 +50,8 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
     let title = format!("Run of {}", summary["case"].as_str().unwrap_or("a scene"));
     let place = folder.join("report.html");
     let page = page(&title, &body);
+    // The next run replaces the page too: it would show results that are gone.
+    let _list = Manifest::resume(folder)?;
     write_atomically(&place, |out| out.write_all(page.as_bytes()))?;
     Ok(place)
 }
@@ -181,9 +183,16 @@ fn image(bytes: &[u8], name: &str) -> String {
 }
 
 /// All numbers below a key, as a table; nothing where there are none.
-fn values(title: &str, value: &Value) -> String {
-    let mut flat = Table::new(title, &["", ""]);
-    flatten("", value, &mut flat.rows);
+/// A table of the figures under a key of a summary, each with its unit where it has one.
+fn values(title: &str, key: &str, summary: &Value) -> String {
+    let mut flat = Table::new(title, &["", "", ""]);
+    flatten("", &summary[key], &mut flat.rows);
+    let units = &summary["units"];
+    for row in &mut flat.rows {
+        let own = units[format!("{key}.{}", row[0])].as_str();
+        let unit = own.or(units[key].as_str()).unwrap_or_default();
+        row.push(unit.to_owned());
+    }
     match flat.rows.is_empty() {
         true => String::new(),
         false => format!("<h2>{}</h2>\n{}", escape(title), table(&flat)),

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-use crate::support::{FAULT, Fault, Place, check};
+use crate::support::{FAULT, Fault, Place, changed, check};
 
 #[test]
 fn folders_that_are_not_for_results() {
@@ -56,6 +56,110 @@ fn other_files_in_a_folder_of_results_survive_the_next_run() {
     place.write("out/notes.txt", "look at the left side");
     place.succeed(&["run", "scene.toml", "--out", "out"]);
     assert_eq!(place.read("out/notes.txt"), b"look at the left side");
+}
+
+/// Names like those of results, in a folder that two runs then use.
+#[test]
+fn files_of_the_user_survive_whatever_their_names() {
+    let place = Place::with_scene(&[]);
+    let run = ["run", "scene.toml", "--out", "out"];
+    place.succeed(&run);
+    let own = [
+        ".perifrac-mine.part",
+        "crack-main-annotated.csv",
+        "damage.txt",
+        "displacement-0000-cut.png",
+        "fields-0000.vtu.bak",
+        "fields-copy.vtu",
+        "history-my-analysis.csv",
+        "permeability-map.csv",
+        "pressure-0000-cut.png",
+        "profile-across-fit.csv",
+        "summary.json.orig",
+    ];
+    for name in own {
+        place.write(&format!("out/{name}"), name);
+    }
+    for _ in 0..2 {
+        place.succeed(&run);
+    }
+    for name in own {
+        assert_eq!(place.read(&format!("out/{name}")), name.as_bytes());
+    }
+}
+
+#[test]
+fn the_next_run_removes_all_that_the_last_one_wrote() {
+    let place = Place::with_scene(&[("plots = false", "plots = true\ntimes = [\"50 s\"]")]);
+    let run = ["run", "scene.toml", "--out", "out"];
+    place.succeed(&run);
+    place.succeed(&["report", "out"]);
+    assert!(place.list("out").contains(&"report.html".to_owned()));
+    let few = ["--set", "output={plots=false, vtu=false}"];
+    place.succeed(&[&run[..], &few].concat());
+    assert_eq!(
+        place.list("out"),
+        ["history.csv", "resolved.toml", "summary.json"]
+    );
+}
+
+#[test]
+fn a_result_that_was_changed_since_is_kept_and_told() {
+    let place = Place::with_scene(&[]);
+    let run = ["run", "scene.toml", "--out", "out"];
+    place.succeed(&run);
+    let noted = [&place.read("out/history.csv")[..], b"# look here\n"].concat();
+    place.write("out/history.csv", &noted);
+    let outcome = place.run(&run);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let expected = "warning: a file that no run wrote, or that was changed since, stood where a result \
+                    belongs; it is now out/history.csv.kept\n";
+    assert_eq!(outcome.stderr, expected);
+    assert_eq!(place.read("out/history.csv.kept"), noted);
+    assert_ne!(place.read("out/history.csv"), noted);
+}
+
+#[test]
+fn variants_of_a_case_have_folders_of_their_own() {
+    let place = Place::with_scene(&[("plots = false", "vtu = false\nplots = false")]);
+    let fine = "geometry.points=[9, 9]";
+    for own in [
+        &[][..],
+        &["--scheme", "explicit"],
+        &["--set", fine],
+        &[
+            "--set",
+            "time.end=50 s",
+            "--solver",
+            "faer-cg:preconditioner=jacobi",
+        ],
+    ] {
+        place.succeed(&[&["run", "scene.toml"], own].concat());
+        place.succeed(&[&["run", "scene.toml"], own].concat());
+    }
+    let case = place.path("").canonicalize().unwrap();
+    let case = case.file_name().unwrap().to_str().unwrap();
+    let mut expected = [
+        case.to_owned(),
+        format!("{case}+explicit"),
+        format!("{case}+geometry.points=9,9"),
+        format!("{case}+faer-cg-preconditioner=jacobi+time.end=50s"),
+    ];
+    expected.sort();
+    assert_eq!(place.list("out"), expected);
+}
+
+/// `smoke.toml` of two cases.
+#[test]
+fn variants_in_files_have_the_name_of_their_case_in_front() {
+    let place = Place::new();
+    for case in ["clay", "sand"] {
+        place.write(&format!("{case}/scene.toml"), changed(&[]));
+        let smoke = "base = \"scene.toml\"\n[output]\nplots = false\nvtu = false\n";
+        place.write(&format!("{case}/smoke.toml"), smoke);
+        place.succeed(&["run", &format!("{case}/smoke.toml")]);
+    }
+    assert_eq!(place.list("out"), ["clay-smoke", "sand-smoke"]);
 }
 
 #[cfg(unix)]

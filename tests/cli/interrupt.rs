@@ -33,16 +33,24 @@ impl Running {
 }
 
 /// Millions of explicit steps: far longer than any test waits.
-fn start(place: &Place) -> Running {
+const LONG: [&str; 11] = [
+    "scene.toml",
+    "--scheme",
+    "explicit",
+    "--set",
+    "time.end=1e8",
+    "--set",
+    "time.max_steps=1000000000",
+    "--set",
+    "output.every=1e4",
+    "--threads",
+    "1",
+];
+
+/// Starts a run into `out`.
+fn start(place: &Place, arguments: &[&str]) -> Running {
     let mut command = Command::new(env!("CARGO_BIN_EXE_perifrac"));
-    command.args(["run", "scene.toml", "--out", "out", "--scheme", "explicit"]);
-    command.args([
-        "--set",
-        "time.end=1e8",
-        "--set",
-        "time.max_steps=1000000000",
-    ]);
-    command.args(["--set", "output.every=1e4", "--threads", "1"]);
+    command.args(["run", "--out", "out"]).args(arguments);
     command
         .current_dir(place.path(""))
         .stdout(Stdio::piped())
@@ -65,29 +73,26 @@ fn text(place: &Place, name: &str) -> String {
     String::from_utf8(place.read(name)).unwrap()
 }
 
+/// What a run printed that a signal ended.
+fn told(run: &mut Running) -> String {
+    wait_for("the end", || run.ended());
+    assert_eq!(run.0.wait().unwrap().code(), Some(130));
+    let [mut stdout, mut stderr] = [String::new(), String::new()];
+    let (mut out, mut err) = (run.0.stdout.take().unwrap(), run.0.stderr.take().unwrap());
+    out.read_to_string(&mut stdout).unwrap();
+    err.read_to_string(&mut stderr).unwrap();
+    assert_eq!(stdout, "");
+    stderr
+}
+
 fn stopped_by(signal: &str) -> (Place, String) {
     let place = Place::with_scene(&[]);
-    let mut run = start(&place);
+    let mut run = start(&place, &LONG);
     wait_for("a second output", || {
         place.path("out/fields-0001.vtu").exists()
     });
     run.signal(signal);
-    wait_for("the end", || run.ended());
-    assert_eq!(run.0.wait().unwrap().code(), Some(130));
-    let [mut stdout, mut stderr] = [String::new(), String::new()];
-    run.0
-        .stdout
-        .take()
-        .unwrap()
-        .read_to_string(&mut stdout)
-        .unwrap();
-    run.0
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut stderr)
-        .unwrap();
-    assert_eq!(stdout, "");
+    let stderr = told(&mut run);
     (place, stderr)
 }
 
@@ -139,8 +144,99 @@ fn an_interrupted_run_leaves_complete_files() {
 
 #[test]
 fn a_run_that_is_asked_to_end_stops_in_the_same_way() {
-    let (_, stderr) = stopped_by("-TERM");
+    for signal in ["-TERM", "-HUP"] {
+        let (_, stderr) = stopped_by(signal);
+        assert!(stderr.starts_with("error: interrupted at t = "), "{stderr}");
+    }
+}
+
+/// As under `nohup`.
+#[test]
+fn a_hangup_that_is_to_be_ignored_is() {
+    let place = Place::with_scene(&[]);
+    let mut command = Command::new("sh");
+    command.args([
+        "-c",
+        "trap '' HUP; exec \"$@\"",
+        "sh",
+        env!("CARGO_BIN_EXE_perifrac"),
+    ]);
+    command.args(["run", "--out", "out"]).args(LONG);
+    command.current_dir(place.path(""));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut run = Running(command.spawn().unwrap());
+    let outputs = || place.list("out").len();
+    wait_for("an output", || place.path("out/fields-0001.vtu").exists());
+    run.signal("-HUP");
+    // One may be under way; a run that ends adds another.
+    let before = outputs();
+    wait_for("outputs after it", || outputs() > before + 3);
+    assert!(!run.ended());
+    run.signal("-INT");
+    assert!(told(&mut run).starts_with("error: interrupted at t = "));
+}
+
+/// Relaxation to nearly the last digit, again in every pass of the undrained start.
+#[test]
+fn a_step_is_left_in_the_middle() {
+    let relaxation = [
+        "terzaghi",
+        "--scheme",
+        "explicit",
+        "--set",
+        "scheme.solid=adr",
+        "--set",
+        "scheme.adr_tolerance=1e-12",
+        "--set",
+        "scheme.adr_iterations=1000000000",
+    ];
+    let place = Place::new();
+    let mut run = start(&place, &relaxation);
+    wait_for("the start", || place.path("out/resolved.toml").exists());
+    // The model is there within a fraction of it.
+    std::thread::sleep(Duration::from_secs(1));
+    run.signal("-INT");
+    let stderr = told(&mut run);
     assert!(stderr.starts_with("error: interrupted at t = "), "{stderr}");
+}
+
+#[test]
+fn what_cannot_be_left_is_ended_all_the_same() {
+    let place = Place::with_scene(&[("points = [8, 8]", "points = [700, 700]")]);
+    let mut run = start(&place, &["scene.toml", "--set", "time.mode=steady"]);
+    wait_for("the start", || place.path("out/resolved.toml").exists());
+    std::thread::sleep(Duration::from_millis(200));
+    run.signal("-INT");
+    let stderr = told(&mut run);
+    assert!(stderr.contains("what was written is complete"), "{stderr}");
+    assert!(!place.path("out/summary.json").exists());
+}
+
+#[test]
+fn a_folder_is_for_one_run_at_a_time_and_free_after_a_kill() {
+    let place = Place::with_scene(&[]);
+    let mut run = start(&place, &LONG);
+    wait_for("an output", || place.path("out/fields-0001.vtu").exists());
+    let second = place.run(&["run", "scene.toml", "--out", "out"]);
+    let expected = format!(
+        "error: out is in use: process {} is writing there; wait until it has ended, end it, or choose \
+         another folder with --out\n",
+        run.0.id()
+    );
+    assert_eq!((second.code, second.stderr), (Some(1), expected));
+    run.0.kill().unwrap();
+    run.0.wait().unwrap();
+    assert!(place.path("out/.perifrac-lock").exists());
+    place.succeed(&["run", "scene.toml", "--out", "out"]);
+    let left = [
+        "fields-0000.vtu",
+        "fields-0001.vtu",
+        "fields.pvd",
+        "history.csv",
+        "resolved.toml",
+        "summary.json",
+    ];
+    assert_eq!(place.list("out"), left);
 }
 
 #[test]

@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod coupled;
+mod documented;
 mod fault_calls;
 mod fault_domains;
 mod fault_files;
+mod fault_points;
 mod fault_rocks;
 mod fault_runs;
 mod fault_texts;
@@ -16,5 +18,6 @@ mod mutations;
 mod processes;
 mod repeats;
 mod runs;
+mod solver_flags;
 mod studies;
 mod support;

@@ -15,7 +15,7 @@ use crate::support::Place;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Whether runs over several processes are possible here.
-fn possible() -> bool {
+pub fn possible() -> bool {
     let place = Place::new();
     let petsc = place.succeed(&["solvers"]).contains("\nPETSc 3.");
     let mpirun = Command::new("mpirun").arg("--version").output().is_ok();
@@ -28,7 +28,7 @@ fn possible() -> bool {
 }
 
 /// The program started `count` times by mpirun, in the folder of `place`.
-fn mpirun(place: &Place, count: usize, arguments: &[&str]) -> Command {
+pub fn mpirun(place: &Place, count: usize, arguments: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")

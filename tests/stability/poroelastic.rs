@@ -1,9 +1,7 @@
 //! Coupled hard cases: tiny and huge steps, undrained and nearly incompressible rock, contrasts.
 
-use std::sync::atomic::AtomicBool;
-
 use perifrac::plan::Plan;
-use perifrac::run::{Observer, Progress, RunError, Summary, run};
+use perifrac::run::{Interrupt, Observer, Progress, RunError, Summary, run};
 use perifrac::schemes::State;
 
 use crate::support::{extremes, plan, plan_of};
@@ -20,7 +18,7 @@ impl Observer for Energies {
 
 fn watched(plan: &Plan) -> Result<(Summary, State, Vec<f64>), RunError> {
     let mut energies = Energies::default();
-    let interrupt = AtomicBool::new(false);
+    let interrupt = Interrupt::default();
     let (summary, state) = run::<2>(plan, None, &mut energies, &interrupt)?;
     Ok((summary, state, energies.0))
 }

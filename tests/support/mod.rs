@@ -2,12 +2,11 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use perifrac::model::{FlowModel, Model};
 use perifrac::plan::{Plan, resolve};
 use perifrac::report::Timers;
-use perifrac::run::{RunError, Summary, run};
+use perifrac::run::{Interrupt, RunError, Summary, run};
 use perifrac::schemes::State;
 use perifrac::{cases, scene};
 
@@ -38,7 +37,7 @@ pub fn plan_of(text: &str, overrides: &[&str]) -> Plan {
 
 /// Runs a plan without writing anything.
 pub fn try_run(plan: &Plan) -> Result<(Summary, State), RunError> {
-    let interrupt = AtomicBool::new(false);
+    let interrupt = Interrupt::default();
     match plan.dimension {
         2 => run::<2>(plan, None, &mut (), &interrupt),
         _ => run::<3>(plan, None, &mut (), &interrupt),
@@ -60,10 +59,7 @@ pub fn probe_values(plan: &Plan) -> Vec<f64> {
     let (_, state) = try_run(plan).unwrap_or_else(|error| panic!("{error}"));
     let model = model::<2>(plan);
     let flow = model.flow.expect("the plan names flow");
-    let probes = model.places.probes.iter();
-    probes
-        .map(|place| flow.pressure_at(&state.pressure, state.time, place))
-        .collect()
+    flow.pressures_at(&state.pressure, state.time, &model.places.probes)
 }
 
 /// The model of a plan.

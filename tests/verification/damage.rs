@@ -45,8 +45,8 @@ fn a_bar_follows_the_closed_form_to_its_peak() {
         );
         let (summary, state) = try_run(&plan_of(BAR, &[&pull])).unwrap();
         let results = summary.results.unwrap();
-        // Force in kN per millimetre of thickness on a height of 0.2 m.
-        let stress = results.peak_force.unwrap() * 1e6 / 0.2;
+        // Force in kN of a slab of 1 m on a height of 0.2 m.
+        let stress = results.peak_force.unwrap() * 1e3 / 0.2;
         let half = 0.5 * MODULUS * strain * strain / TOUGHNESS;
         let exact = MODULUS * strain / (1.0 + half).powi(2);
         assert!(

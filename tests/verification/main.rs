@@ -15,6 +15,7 @@ mod gravity;
 mod incompressible;
 mod mechanics;
 mod operators;
+mod output;
 mod patch;
 mod poroelastic;
 mod shares;

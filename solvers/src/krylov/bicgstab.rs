@@ -14,7 +14,7 @@ use super::{Cause, End, Method, Pass, Run};
 use crate::preconditioner::{Demand, count, words};
 use crate::problem::Symmetry;
 use crate::registry::{Backend, OptionSpec, Options};
-use crate::{LinearSolver, SpecError, dot, multiply, norm2};
+use crate::{LinearSolver, SpecError, dot, interrupted, multiply, norm2};
 
 const DEMAND: Demand = Demand::Any;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
@@ -112,7 +112,7 @@ impl BiCgStab {
         let (mut rho, mut alpha, mut omega) = (1.0, 1.0, 1.0);
         self.p.fill(0.0);
         self.v.fill(0.0);
-        while *iterations < pass.limit {
+        while *iterations < pass.limit && !interrupted() {
             let next = product(&self.shadow, &self.r)?;
             let beta = next / rho * (alpha / omega);
             rho = next;

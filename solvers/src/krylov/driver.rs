@@ -1,6 +1,7 @@
 //! What all Krylov backends share: restarts from the true residual, until that one is small.
 
 use super::{Cause, End, Method, Pass, Run, advice};
+use crate::interrupt;
 use crate::matrix::{check_vector, rounding_floor};
 use crate::preconditioner::{self, Demand, Preconditioner, PreconditionerInfo};
 use crate::problem::{Problem, Symmetry};
@@ -196,6 +197,7 @@ impl Krylov {
                 limit,
             };
             let run = self.method.run(pass, x);
+            interrupt::check()?;
             let gain = self.take(matrix, rhs, x, run, &mut progress);
             if progress.found.plain <= self.tolerance {
                 break;

@@ -13,7 +13,7 @@ use super::{Cause, End, Method, Pass, Run};
 use crate::preconditioner::{Demand, Preconditioner, count, words};
 use crate::problem::Symmetry;
 use crate::registry::{Backend, OptionSpec, Options};
-use crate::{LinearSolver, SpecError, dot, multiply, norm2};
+use crate::{LinearSolver, SpecError, dot, interrupted, multiply, norm2};
 
 const DEMAND: Demand = Demand::Any;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
@@ -165,7 +165,7 @@ impl Method for Gmres {
         self.small.begin(size);
         let most = pass.limit.min(self.basis.len() - 1);
         let (mut iterations, mut end) = (0, End::Full);
-        while iterations < most {
+        while iterations < most && !interrupted() {
             if let Err(cause) = self.extend(&mut pass, iterations) {
                 end = End::Broken(cause);
                 break;

@@ -1,7 +1,7 @@
 //! Tests of what is known of the methods themselves.
 
 use crate::test_support::*;
-use crate::{CsrMatrix, Problem, SolveError, Symmetry, norm2};
+use crate::{CsrMatrix, Interrupt, Problem, SolveError, Symmetry, norm2};
 
 fn general(matrix: &CsrMatrix, symmetry: Symmetry) -> Problem<'_> {
     Problem::new(matrix.view(), symmetry, 1)
@@ -215,5 +215,33 @@ fn huge_and_tiny_numbers_do_not_upset_the_methods() {
             assert!(report.is_ok(), "{name} {size:e}: {report:?}");
         }
         a.data_mut().iter_mut().for_each(|value| *value /= size);
+    }
+}
+
+/// Far more iterations than can be done before the flag is raised; full recurrences for `gmres`, which would
+/// stagnate otherwise.
+#[test]
+fn an_interruption_ends_every_method_in_the_middle() {
+    for (spec, points) in [
+        ("faer-cg:preconditioner=none", 200_000),
+        ("minres:preconditioner=none", 200_000),
+        ("bicgstab:preconditioner=none", 200_000),
+        ("gmres:preconditioner=none,restart=5000", 5_000),
+        ("fgmres:preconditioner=none,restart=5000", 5_000),
+    ] {
+        let a = grid_laplacian(points, 1, -2.0);
+        let problem = general(&a, Symmetry::PositiveDefinite);
+        let mut solver = ready(&format!("{spec},max_iterations=10000000"), &problem).unwrap();
+        let (rhs, mut x) = (noisy_vector(points), vec![0.0; points]);
+        let interrupt = Interrupt::default();
+        let raised = interrupt.clone();
+        let solved = interrupt.during(|| {
+            std::thread::spawn(move || {
+                std::thread::sleep(std::time::Duration::from_millis(20));
+                raised.raise()
+            });
+            solver.solve(problem.pattern, &rhs, &mut x)
+        });
+        assert_eq!(solved, Err(SolveError::Interrupted), "{spec}");
     }
 }

@@ -12,7 +12,7 @@ use super::{Cause, End, Method, Pass, Run};
 use crate::preconditioner::{Demand, count, words};
 use crate::problem::Symmetry;
 use crate::registry::{Backend, OptionSpec, Options};
-use crate::{LinearSolver, SpecError, dot, multiply, norm2};
+use crate::{LinearSolver, SpecError, dot, interrupted, multiply, norm2};
 
 const DEMAND: Demand = Demand::Definite;
 const WORDS: [&str; count(DEMAND)] = words(DEMAND);
@@ -187,7 +187,7 @@ impl Minres {
         self.lanczos.begin(pass, size)?;
         self.directions.iter_mut().for_each(|w| w.fill(0.0));
         let mut rotations = Rotations::new(self.lanczos.beta);
-        while *iterations < pass.limit {
+        while *iterations < pass.limit && !interrupted() {
             let [older, old, new] = &mut self.directions;
             let alpha = self.lanczos.step(pass, new)?;
             let beta = self.lanczos.beta;

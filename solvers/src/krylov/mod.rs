@@ -36,7 +36,7 @@ pub(crate) trait Method: Send {
     }
 
     /// Improves `x` until the residual the recursion knows reaches `pass.target`, or until
-    /// `pass.limit` iterations are done. Allocates nothing.
+    /// `pass.limit` iterations are done, or until it is interrupted. Allocates nothing.
     fn run(&mut self, pass: Pass<'_>, x: &mut [f64]) -> Run;
 }
 

@@ -9,6 +9,7 @@
 //! Rust. A start value, iterative refinement of a direct solution and a new start after a
 //! recursion that drifted are the same thing in this form.
 
+mod confined;
 mod engine;
 mod layout;
 mod options;
@@ -23,6 +24,7 @@ use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, OptionSpec, OptionValue, Options};
 use crate::system::{ACCEPTED_RESIDUAL, AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, Partition, SolveError, SolveReport, SolverCounters, SpecError};
+pub(crate) use confined::others;
 use engine::Engine;
 use layout::Layout;
 use options::Flags;

@@ -158,8 +158,12 @@ fn add_correction<const D: usize>(
     }
 }
 
-/// Gives the plain weights back to families whose correction exceeds them, unless the cells are known to
-/// fill the domain: what was to be corrected there may be a free surface that was not found.
+/// First moment of a family, over that of its distances, from which it is one-sided: 0.48 beside a flat
+/// surface, 0.1 typically and 0.25 at most on lattices jittered by 0.4.
+const ONE_SIDED: f64 = 0.3;
+
+/// Gives the plain weights back to one-sided families whose correction exceeds them: what was to be
+/// corrected there is a free surface that was not found. Generated clouds fill their domain and have none.
 fn fall_back<const D: usize>(
     around: &Neighbourhood<D>,
     plain: &[Vector<D>],
@@ -173,7 +177,7 @@ fn fall_back<const D: usize>(
         let family = around.families.family(owner);
         let change = norm(&mut family.clone().map(|b| corrected[b] - plain[b]));
         let ratio = change / norm(&mut family.clone().map(|b| plain[b]));
-        if ratio > 1.0 && !around.cloud.filled {
+        if ratio > 1.0 && !around.cloud.filled && one_sidedness(around, owner) > ONE_SIDED {
             corrected[family.clone()].copy_from_slice(&plain[family]);
             if around.families.share.owns(owner) {
                 quality.plain_families += 1;
@@ -186,4 +190,54 @@ fn fall_back<const D: usize>(
     let mut families = [quality.plain_families as f64];
     around.families.share.sum(&mut families);
     quality.plain_families = families[0] as usize;
+}
+
+/// |Σ ω V ξ| over Σ ω V |ξ|.
+fn one_sidedness<const D: usize>(around: &Neighbourhood<D>, owner: usize) -> f64 {
+    let (mut moment, mut whole) = (Vector::<D>::zeros(), 0.0);
+    for bond in around.families.family(owner) {
+        let xi = around.bond_vector(owner, bond);
+        moment += xi * around.measure[bond];
+        whole += xi.norm() * around.measure[bond];
+    }
+    moment.norm() / whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::lattice;
+    use crate::geometry::{Cloud, Families, Horizon, Influence, horizons};
+
+    /// A square with a hole whose neighbours claim so much room that it cannot be found.
+    #[test]
+    fn one_sided_families_stay_plain_where_the_correction_would_exceed_them() {
+        let mut cloud = lattice(Vector::<2>::zeros(), Vector::repeat(1.0), [20, 20]).unwrap();
+        let hole = |x: &Vector<2>| (x - Vector::repeat(0.5)).norm() < 0.2;
+        cloud.position.retain(|x| !hole(x));
+        cloud.volume.truncate(cloud.position.len());
+        cloud.cell = vec![Vector::repeat(0.4); cloud.position.len()];
+        let corrected = |filled: bool| {
+            let cloud = Arc::new(Cloud {
+                filled,
+                ..cloud.clone()
+            });
+            let horizon = horizons(&cloud, Horizon::Neighbours(15)).unwrap();
+            let families = Arc::new(Families::search(&cloud, horizon).unwrap());
+            let around = Neighbourhood::new(cloud, families, Influence::default()).unwrap();
+            let around = Arc::new(around);
+            let planes = Planes::natural(&[false; 4]);
+            let (gradient, quality) = consistent_gradient(&around, &planes).unwrap();
+            (gradient, quality, Gradient::plain(&around), around)
+        };
+        let (_, mended, _, _) = corrected(true);
+        assert!(
+            mended.ratio > 1.0 && mended.plain_families == 0,
+            "{mended:?}"
+        );
+        let (gradient, quality, plain, around) = corrected(false);
+        assert!(quality.plain_families > 20, "{quality:?}");
+        let first = around.families.family(quality.first_plain.unwrap());
+        assert!(gradient.weight[first.clone()] == plain.weight[first]);
+    }
 }

@@ -32,6 +32,23 @@ impl<const D: usize> DamageLaw<D> {
     }
 }
 
+impl<const D: usize> DamageLaw<D> {
+    /// Stresses across the plane of plane strain, σ⁺ and σ⁻ without σ⁰, Pa.
+    pub fn across(&self, lame: Lame, strain: &Matrix<D>) -> [f64; 2] {
+        let trace = strain.trace();
+        let (up, down) = (trace.max(0.0), trace.min(0.0));
+        match self.split {
+            // The third principal strain is zero: only the trace pulls there.
+            EnergySplit::Spectral => [lame.lambda * up, lame.lambda * down],
+            EnergySplit::VolumetricDeviatoric => {
+                let bulk = lame.lambda + 2.0 / 3.0 * lame.mu;
+                [bulk * up - 2.0 / 3.0 * lame.mu * trace, bulk * down]
+            }
+            EnergySplit::None => [lame.lambda * trace, 0.0],
+        }
+    }
+}
+
 fn whole<const D: usize>(lame: Lame, strain: &Matrix<D>) -> Parts<D> {
     let stress = lame.stress(strain);
     Parts {

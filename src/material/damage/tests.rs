@@ -173,3 +173,21 @@ fn a_bar_breaks_at_the_peak_of_the_closed_form() {
         .sum();
     assert!((work / TOUGHNESS - 1.0).abs() < 1e-3, "{work}");
 }
+
+/// Plane strain is strain in space without a third component.
+#[test]
+fn the_stress_across_a_plane_is_that_of_space() {
+    for split in SPLITS {
+        for entries in [[1e-3, 4e-4, 4e-4, -3e-4], [-1e-3, 2e-4, 2e-4, 1e-4]] {
+            let plane = symmetric::<2>(&entries);
+            let space = Matrix::<3>::from_fn(|a, b| if a.max(b) < 2 { plane[(a, b)] } else { 0.0 });
+            let [breaking, lasting] = law::<2>(split, 0.0).across(ROCK, &plane);
+            let parts = law::<3>(split, 0.0).parts(ROCK, &space);
+            assert!(
+                (breaking - parts.breaking[(2, 2)]).abs() < 1e-3,
+                "{split:?}"
+            );
+            assert!((lasting - parts.lasting[(2, 2)]).abs() < 1e-3, "{split:?}");
+        }
+    }
+}

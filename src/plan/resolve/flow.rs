@@ -28,6 +28,7 @@ pub(super) fn flow_plan(flow: &scene::Flow) -> FlowPlan {
         gradient: gradient(flow.gradient.value),
         initial_pressure: flow.initial_pressure.value(),
         hydrostatic_start: flow.hydrostatic_start.value,
+        suction: flow.suction,
         sides,
         regions: flow
             .regions
@@ -54,11 +55,11 @@ pub(super) fn gravity(gravity: &scene::Gravity) -> GravityPlan {
     }
 }
 
-pub(super) fn wells(scene: &scene::Scene) -> Vec<WellPlan> {
+pub(super) fn wells(scene: &scene::Scene, thickness: f64) -> Vec<WellPlan> {
     let well = |entry: &scene::Entry<scene::Well>| WellPlan {
         name: entry.name.clone(),
         at: values(&entry.value.at),
-        rate: entry.value.rate.resolved(),
+        rate: entry.value.rate.per_thickness(thickness),
         radius: entry.value.radius.map(|radius| radius.value()),
     };
     scene.wells.iter().map(well).collect()

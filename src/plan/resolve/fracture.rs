@@ -33,7 +33,7 @@ impl Resolver<'_> {
     }
 }
 
-pub(super) fn cracks(scene: &scene::Scene) -> Vec<CrackPlan> {
+pub(super) fn cracks(scene: &scene::Scene, thickness: f64) -> Vec<CrackPlan> {
     let crack = |entry: &scene::Entry<scene::Crack>| CrackPlan {
         name: entry.name.clone(),
         kind: match entry.value.kind.value {
@@ -42,7 +42,7 @@ pub(super) fn cracks(scene: &scene::Scene) -> Vec<CrackPlan> {
         },
         place: place(&entry.value),
         pressure: entry.value.pressure.as_ref().map(scene::Load::resolved),
-        injection: entry.value.injection.as_deref().map(injection),
+        injection: (entry.value.injection.as_deref()).map(|own| injection(own, thickness)),
     };
     scene.cracks.iter().map(crack).collect()
 }
@@ -59,10 +59,10 @@ fn place(crack: &scene::Crack) -> CrackPlace {
     }
 }
 
-fn injection(injection: &scene::Injection) -> InjectionPlan {
+fn injection(injection: &scene::Injection, thickness: f64) -> InjectionPlan {
     InjectionPlan {
         at: values(&injection.at),
-        rate: injection.rate.resolved(),
+        rate: injection.rate.per_thickness(thickness),
     }
 }
 

@@ -52,6 +52,17 @@ impl Resolver<'_> {
         }
     }
 
+    /// Extent across the plane, m; 1 in space. Points from a file tell the dimension only now.
+    pub(super) fn thickness(&mut self, dimension: usize) -> Option<f64> {
+        let typed = self.loaded.scene.geometry.value.thickness();
+        if let (Some(thickness), 3) = (typed, dimension) {
+            self.faults
+                .push(scene::thickness_in_space(thickness.span()));
+            return None;
+        }
+        Some(typed.map_or(1.0, |thickness| thickness.value()))
+    }
+
     fn cells(&mut self, lattice: &scene::Lattice, size: &[f64]) -> Option<Vec<usize>> {
         if let Some(points) = &lattice.points {
             return Some(points.iter().map(|n| n.value as usize).collect());

@@ -8,11 +8,12 @@ use crate::scene::quantity::{Dimension, values};
 use crate::scene::{self, Coupling, Mechanics};
 
 impl Resolver<'_> {
-    /// The deformation in a domain of `dimension` axes.
+    /// The deformation in a domain of `dimension` axes that is `thickness` metres thick.
     pub(super) fn mechanics(
         &mut self,
         mechanics: &Mechanics,
         dimension: usize,
+        thickness: f64,
     ) -> Option<MechanicsPlan> {
         if let Some(force) = &mechanics.body_force
             && force.len() != dimension
@@ -24,7 +25,7 @@ impl Resolver<'_> {
         }
         let mut sides = vec![Support::Free; 6];
         for (side, typed) in mechanics.boundary.iter() {
-            sides[side.resolved().index()] = support(&typed.value, dimension);
+            sides[side.resolved().index()] = support(&typed.value, dimension, thickness);
         }
         Some(MechanicsPlan {
             inertia: mechanics.is_dynamic(),
@@ -67,7 +68,7 @@ pub(super) fn coupling(coupling: &Coupling) -> CouplingPlan {
     }
 }
 
-fn support(support: &scene::Support, dimension: usize) -> Support {
+fn support(support: &scene::Support, dimension: usize, thickness: f64) -> Support {
     let zero = Load::constant(0.0);
     match support {
         scene::Support::Free { .. } => Support::Free,
@@ -78,7 +79,7 @@ fn support(support: &scene::Support, dimension: usize) -> Support {
         scene::Support::NormalDisplacement {
             normal_displacement,
         } => Support::Roller(normal_displacement.resolved()),
-        scene::Support::Plate { plate } => Support::Plate(plate.resolved()),
+        scene::Support::Plate { plate } => Support::Plate(plate.per_thickness(thickness)),
     }
 }
 

@@ -58,8 +58,9 @@ impl Resolver<'_> {
         let solver = self.solver();
         let geometry = geometry?;
         let dimension = geometry.dimension();
+        let thickness = self.thickness(dimension)?;
         let mechanics = match &scene.mechanics {
-            Some(typed) => Some(self.mechanics(typed, dimension)?),
+            Some(typed) => Some(self.mechanics(typed, dimension, thickness)?),
             None => None,
         };
         self.check_cracks(dimension);
@@ -73,6 +74,7 @@ impl Resolver<'_> {
             case: case.to_owned(),
             title: scene.title.clone(),
             dimension,
+            thickness,
             geometry,
             horizon: geometry::horizon(scene),
             influence: geometry::influence(scene.horizon.influence),
@@ -84,8 +86,8 @@ impl Resolver<'_> {
             damage,
             fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
-            cracks: fracture::cracks(scene),
-            wells: flow::wells(scene),
+            cracks: fracture::cracks(scene, thickness),
+            wells: flow::wells(scene, thickness),
             time,
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),
@@ -103,10 +105,22 @@ impl Resolver<'_> {
 
     fn solver(&mut self) -> Option<SolverSpec> {
         let name = &self.loaded.scene.solver.name;
-        match name.value.parse() {
-            Ok(spec) => Some(spec),
-            Err(error) => self.fault::<SolverSpec>(name.span, error),
+        let spec: SolverSpec = match name.value.parse() {
+            Ok(spec) => spec,
+            Err(error) => return self.fault::<SolverSpec>(name.span, error),
+        };
+        let others = spec.unconfined_flags();
+        if others.is_empty() || self.loaded.sources.is_typed(name.span) {
+            return Some(spec);
         }
+        let message = format!(
+            "a scene must not give a solver `{}`, which may read or write files or print",
+            others.join("`, `")
+        );
+        let help = "leave it out here, or give the solver on the command line with --solver";
+        self.faults
+            .push(Diagnostic::new(message).at(name.span).help(help));
+        None
     }
 
     /// A cloud without planes has no sides to put conditions on.

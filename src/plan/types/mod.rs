@@ -32,6 +32,9 @@ pub struct Plan {
     pub title: String,
     /// 2 or 3.
     pub dimension: usize,
+    /// Extent across the plane, m: a plane is computed per metre, and reported as a slab this thick. 1 in
+    /// space.
+    pub thickness: f64,
     /// How the cloud is made.
     pub geometry: GeometryPlan,
     /// How far points see.
@@ -169,6 +172,8 @@ pub struct FlowPlan {
     pub initial_pressure: f64,
     /// Whether the weight of the fluid is added to the initial pressure.
     pub hydrostatic_start: bool,
+    /// Whether pressures below zero are meant.
+    pub suction: bool,
     /// Condition per side, in the order of the sides' numbers.
     pub sides: Vec<SideCondition>,
     /// Prescribed pressures on regions.
@@ -258,7 +263,7 @@ pub struct WellPlan {
     pub name: String,
     /// Position, m.
     pub at: Vec<f64>,
-    /// Full-plane injection rate, m³/s (per metre of thickness in 2-D).
+    /// Full-plane injection rate, m³/s; m²/s per metre of thickness in 2-D.
     pub rate: Load,
     /// Radius λ, m; `None` for Eq. 77.
     pub radius: Option<f64>,

@@ -153,7 +153,7 @@ fn of_solid<'a, const D: usize>(
             .flat_map(|(slope, lame)| stress(*lame, slope, initial))
             .collect(),
         Some(damage) => (slopes.iter().enumerate())
-            .flat_map(|(point, slope)| damaged_stress(solid, damage, state, point, slope))
+            .flat_map(|(point, slope)| damaged_stress(solid, damage, state, point, slope, initial))
             .collect(),
     };
     let volumetric: Vec<f64> = slopes.iter().map(Matrix::trace).collect();
@@ -171,20 +171,26 @@ fn of_solid<'a, const D: usize>(
     arrays
 }
 
-/// Effective stress in the plane or in space of a point with damage, Pa: xx, yy, zz, xy, yz, xz; zz is
-/// zero in a plane.
+/// Effective stress of a point with damage, Pa: xx, yy, zz, xy, yz, xz. Across a plane the initial
+/// stress is lost as rock breaks like that within it.
 fn damaged_stress<const D: usize>(
     solid: &SolidModel<D>,
     damage: &Damage<D>,
     state: &State,
     point: usize,
     slope: &Matrix<D>,
+    initial: &[f64; 6],
 ) -> [f64; 6] {
     let strain = (slope + slope.transpose()) * 0.5;
-    let stress = damage
-        .at(&solid.elastic, &state.history, point, &strain, 0.0)
-        .stress;
-    TENSOR.map(|(a, b)| if a.max(b) < D { stress[(a, b)] } else { 0.0 })
+    let answer = damage.at(&solid.elastic, &state.history, point, &strain, 0.0);
+    let left = damage.law.degradation(answer.damage);
+    let [breaking, lasting] = damage.law.across(solid.elastic.lame[point], &strain);
+    let component = |k: usize| match TENSOR[k] {
+        (a, b) if a.max(b) < D => answer.stress[(a, b)],
+        (a, b) if a == b => left * (breaking + initial[k]) + lasting,
+        _ => left * initial[k],
+    };
+    std::array::from_fn(component)
 }
 
 /// Effective stress C:ε + σ⁰ of a displacement gradient, Pa: xx, yy, zz, xy, yz, xz.
@@ -204,6 +210,7 @@ fn stress<const D: usize>(lame: Lame, slope: &Matrix<D>, initial: &[f64; 6]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Timers;
 
     const LAME: Lame = Lame {
         lambda: 4.0,
@@ -232,5 +239,39 @@ mod tests {
         let slope = Matrix::<3>::new(0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0);
         let found = stress(LAME, &slope, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_close(found, [1.0, 2.0, 3.0, 4.0, 8.0, 12.0]);
+    }
+
+    /// By hand, with λ = μ = 400 MPa and ε_yy = −1e-4: squeezed rock carries λ tr(ε) across the plane,
+    /// broken or not; what it had there before is lost as it breaks.
+    #[test]
+    fn damage_keeps_the_stress_across_the_plane() {
+        let initial = [0.0, 0.0, -2e6, 0.0, 0.0, 0.0];
+        for split in ["spectral", "volumetric-deviatoric", "none"] {
+            let damage = format!("damage={{length_scale=0.5, split=\"{split}\"}}");
+            let plan = super::super::tests::plan(&[
+                "materials.rock.fracture_energy=1e6",
+                "mechanics.initial_stress={zz=\"-2 MPa\"}",
+                &damage,
+            ]);
+            let model = Model::<2>::build(&plan, &mut Timers::default()).unwrap();
+            let mut state = State::initial(&model);
+            let solid = model.solid.as_ref().unwrap();
+            let damage = solid.damage.as_ref().unwrap();
+            let slope = Matrix::<2>::new(0.0, 0.0, 0.0, -1e-4);
+            let found = damaged_stress(solid, damage, &state, 14, &slope, &initial);
+            for (found, exact) in found.iter().zip([-4e4, -1.2e5, -2.04e6, 0.0, 0.0, 0.0]) {
+                assert!((found - exact).abs() < 20.0, "{split}: {found} {exact}");
+            }
+            state.history.fill(1e12);
+            let [.., across, _, _, _] = damaged_stress(solid, damage, &state, 14, &slope, &initial);
+            let exact = match split {
+                "spectral" => -4e4,
+                // The volume alone is kept: −(λ + 2/3 μ) 1e-4.
+                "volumetric-deviatoric" => -2.0 / 3.0 * 1e5,
+                _ => 0.0,
+            };
+            let lost = 2.1e6 * damage.law.residual_stiffness + 20.0;
+            assert!((across - exact).abs() < lost, "{split}: {across} {exact}");
+        }
     }
 }

@@ -1,70 +1,97 @@
-//! The folder of a run: what in it are results and may be replaced.
+//! The hold of a run on its folder: nobody else writes there, and only results of runs are replaced.
 
 use std::path::{Path, PathBuf};
 
-use crate::output::{OutputError, write_atomically};
+use crate::output::{
+    FolderLock, LIST, LOCK, Manifest, OutputError, remove_results, write_atomically,
+};
 
 const MARK: &str = "resolved.toml";
 
-/// Starts of the names of results.
-const RESULTS: [&str; 9] = [
-    "fields",
-    "pressure-",
-    "displacement-",
-    "damage",
-    "permeability",
-    "history",
-    "profile-",
-    "crack-",
-    "summary.json",
-];
+/// A folder and the right to write there.
+pub struct Hold {
+    folder: PathBuf,
+    /// Closed before the lock is given back.
+    manifest: Option<Manifest>,
+    /// What the process that leads a run holds.
+    _lock: Option<FolderLock>,
+}
 
-/// Makes the folder if need be; gives what is in it, which must be results.
-///
-/// # Errors
-/// [`OutputError::Foreign`] for other things in it, else why it cannot be used.
-pub fn prepare(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
+impl Hold {
+    /// Makes the folder if need be and locks it. What is in it must be results; they stay until
+    /// [`Hold::begin`].
+    ///
+    /// # Errors
+    /// [`OutputError::Foreign`] for other things in it, [`OutputError::Busy`] if another run writes there,
+    /// else why it cannot be used.
+    pub fn take(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
+        let is_empty = prepare(folder)?;
+        let lock = FolderLock::take(folder)?;
+        let mut hold = Hold {
+            _lock: Some(lock),
+            ..Self::follow(folder)
+        };
+        if is_empty {
+            hold.begin(resolved)?;
+        }
+        Ok(hold)
+    }
+
+    /// The part of a further process of a run.
+    pub fn follow(folder: &Path) -> Self {
+        Hold {
+            folder: folder.to_owned(),
+            manifest: None,
+            _lock: None,
+        }
+    }
+
+    /// Removes the results of an earlier run and writes the resolved scene, which marks the folder as one
+    /// of results.
+    ///
+    /// # Errors
+    /// [`OutputError`] of a file that cannot be removed or written.
+    pub fn begin(&mut self, resolved: &str) -> Result<(), OutputError> {
+        self.manifest = None;
+        remove_results(&self.folder)?;
+        self.manifest = Some(Manifest::start(&self.folder)?);
+        write_atomically(self.folder.join(MARK), |file| {
+            file.write_all(resolved.as_bytes())
+        })
+    }
+
+    /// Opens a list for what a further process writes, unless there is one.
+    ///
+    /// # Errors
+    /// [`OutputError`] if it cannot be written.
+    pub fn list(&mut self) -> Result<(), OutputError> {
+        if self.manifest.is_none() {
+            self.manifest = Some(Manifest::follow(&self.folder)?);
+        }
+        Ok(())
+    }
+
+    /// Files that were not the run's and stood where it wrote one of its own, by their new names.
+    pub fn kept(&self) -> Vec<PathBuf> {
+        self.manifest.as_ref().map_or_else(Vec::new, Manifest::kept)
+    }
+}
+
+/// Makes the folder if need be; gives whether it is empty.
+fn prepare(folder: &Path) -> Result<bool, OutputError> {
     let io = |source: std::io::Error| OutputError::from_io(folder, "prepare the folder", source);
     if !folder.exists() {
         std::fs::create_dir_all(folder).map_err(io)?;
     }
-    let entries: Vec<PathBuf> = std::fs::read_dir(folder)
-        .and_then(|entries| entries.map(|entry| entry.map(|e| e.path())).collect())
-        .map_err(io)?;
-    if !entries.is_empty() && !folder.join(MARK).exists() {
-        return Err(OutputError::Foreign {
-            path: folder.to_owned(),
-        });
+    let entries = std::fs::read_dir(folder).map_err(io)?;
+    let names: Result<Vec<_>, _> = entries.map(|entry| Ok(entry?.file_name())).collect();
+    let mut names = names.map_err(io)?;
+    // Another run that is about to begin here has the lock and nothing else.
+    names.retain(|name| name != LOCK);
+    if names.iter().any(|name| name == MARK || name == LIST) || names.is_empty() {
+        return Ok(names.is_empty());
     }
-    Ok(entries)
-}
-
-/// Removes the results of an earlier run; the mark is replaced afterwards.
-///
-/// # Errors
-/// As [`prepare`].
-pub fn clear(folder: &Path) -> Result<(), OutputError> {
-    let io = |source: std::io::Error| OutputError::from_io(folder, "prepare the folder", source);
-    for path in prepare(folder)?.iter().filter(|path| is_result(path)) {
-        std::fs::remove_file(path).map_err(io)?;
-    }
-    Ok(())
-}
-
-/// Writes the resolved scene, which also marks the folder as one of results.
-///
-/// # Errors
-/// Those of [`write_atomically`].
-pub fn write_mark(folder: &Path, resolved: &str) -> Result<(), OutputError> {
-    write_atomically(folder.join(MARK), |file| {
-        file.write_all(resolved.as_bytes())
+    Err(OutputError::Foreign {
+        path: folder.to_owned(),
     })
-}
-
-fn is_result(path: &Path) -> bool {
-    let name = path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default();
-    path.is_file() && RESULTS.iter().any(|start| name.starts_with(start))
 }

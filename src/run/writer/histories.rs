@@ -46,15 +46,15 @@ pub fn draw<const D: usize>(
     over_time("history-displacement.svg", &title, &label, &moved)?;
     let energy = energy(history);
     let title = "energy over time";
-    over_time("history-energy.svg", title, energy_label(D), &energy)?;
+    over_time("history-energy.svg", title, &energy_label(D, plan), &energy)?;
     steps(folder, plan, history, &time)
 }
 
-/// The energy of a plane is that of a slice one metre thick.
-fn energy_label(dimension: usize) -> &'static str {
+/// The energy of a plane is that of a slab.
+fn energy_label(dimension: usize, plan: &Plan) -> String {
     match dimension {
-        2 => "energy [J/m]",
-        _ => "energy [J]",
+        2 => format!("energy [J], {} m thick", plan.thickness),
+        _ => "energy [J]".to_owned(),
     }
 }
 

@@ -15,16 +15,18 @@ use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd, Table, write_json};
-use crate::plan::Plan;
+use crate::plan::{Plan, TimeMode};
 use crate::report::Balance;
-use crate::schemes::State;
+use crate::schemes::{State, StepReport};
 use cracks::Cracks;
+use folder::Hold;
 use fracture::Film;
 use profiles::Profiles;
 
 /// Writes the files of one run into its folder.
 pub struct Writer {
     folder: PathBuf,
+    hold: Hold,
     resolved: String,
     pvd: Option<Pvd>,
     history: Option<History>,
@@ -34,28 +36,30 @@ pub struct Writer {
     cracks: Option<Cracks>,
     film: Film,
     outputs: usize,
-    next_row: f64,
+    /// Accepted states so far, the first one included, and of how many one has a row.
+    seen: u64,
+    stride: u64,
+    most_rows: usize,
     /// Whether this is the process that writes what there is once.
     leads: bool,
 }
 
-/// At most this many rows of history, whatever the number of steps.
-const MOST_ROWS: f64 = 2000.0;
+/// Most rows of history: some ten megabytes of text, which every spreadsheet opens.
+pub const MOST_ROWS: usize = 100_000;
 
 impl Writer {
     /// Prepares `folder` for results and the resolved scene.
     ///
-    /// A folder with other things in it is refused. Results of an earlier run stay until this one
-    /// has something to write.
+    /// A folder with other things in it, or into which another run writes, is refused. Results of an
+    /// earlier run stay until this one has something to write; then those files are removed that runs
+    /// wrote and nobody changed since.
     ///
     /// # Errors
     /// [`OutputError`] for a folder that cannot be used.
     pub fn create(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
-        if folder::prepare(folder)?.is_empty() {
-            folder::write_mark(folder, resolved)?;
-        }
         Ok(Writer {
             leads: true,
+            hold: Hold::take(folder, resolved)?,
             ..Self::follow(folder, resolved)
         })
     }
@@ -64,6 +68,7 @@ impl Writer {
     pub fn follow(folder: &Path, resolved: &str) -> Self {
         Writer {
             folder: folder.to_owned(),
+            hold: Hold::follow(folder),
             resolved: resolved.to_owned(),
             pvd: None,
             history: None,
@@ -72,9 +77,16 @@ impl Writer {
             cracks: None,
             film: Film::default(),
             outputs: 0,
-            next_row: f64::NEG_INFINITY,
+            seen: 0,
+            stride: 1,
+            most_rows: MOST_ROWS,
             leads: false,
         }
+    }
+
+    /// Files of the user that stood where the run wrote one of its own, by their new names.
+    pub fn kept(&self) -> Vec<PathBuf> {
+        self.hold.kept()
     }
 
     /// Folder of the run.
@@ -90,8 +102,7 @@ impl Writer {
         if !self.leads {
             return Ok(());
         }
-        folder::clear(&self.folder)?;
-        folder::write_mark(&self.folder, &self.resolved)?;
+        self.hold.begin(&self.resolved)?;
         self.rows.columns = super::columns::names::<D>(plan);
         let path = self.folder.join("history.csv");
         self.history = Some(History::create(path, &self.rows.columns)?);
@@ -100,7 +111,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Adds a row of history; of very many steps some are left out.
+    /// Adds a row of history; of more than [`MOST_ROWS`] steps rows are left out evenly.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -109,21 +120,51 @@ impl Writer {
         plan: &Plan,
         model: &Model<D>,
         state: &State,
-        step: (f64, usize, Rejections),
+        step: (f64, &StepReport, Rejections),
         balance: &Balance,
         fractures: Option<&Fractures>,
     ) -> Result<(), OutputError> {
-        let skipped = state.time < self.next_row && state.time < plan.time.end;
-        if skipped || !self.leads {
+        if !self.leads {
             return Ok(());
         }
-        self.next_row = state.time + plan.time.end / MOST_ROWS;
+        let last = plan.time.mode == TimeMode::Transient && state.time >= plan.time.end;
+        let kept = self.seen.is_multiple_of(self.stride);
+        self.seen += 1;
+        if !kept && !last {
+            return Ok(());
+        }
         let row = super::columns::row(plan, model, state, step, balance, fractures);
         if let Some(history) = &mut self.history {
             history.append(&row)?;
         }
         self.rows.rows.push(row);
+        match self.rows.rows.len() > self.most_rows {
+            true => self.thin(),
+            false => Ok(()),
+        }
+    }
+
+    /// Leaves out every second row from the first on, and writes half as many from now on.
+    fn thin(&mut self) -> Result<(), OutputError> {
+        let rows = std::mem::take(&mut self.rows.rows).into_iter();
+        self.rows.rows = rows.step_by(2).collect();
+        self.stride *= 2;
+        if let Some(history) = &mut self.history {
+            history.rewrite(&self.rows)?;
+        }
         Ok(())
+    }
+
+    /// Says so where history.csv does not have all steps.
+    pub fn thinned(&self) -> Option<String> {
+        (self.stride > 1).then(|| {
+            format!(
+                "history.csv has one in {} of the {} steps, evenly, and the last: it holds at most {} rows",
+                self.stride,
+                self.seen - 1,
+                self.most_rows
+            )
+        })
     }
 
     /// Writes the points of this process as VTU.
@@ -141,6 +182,7 @@ impl Writer {
         if !plan.output.vtu {
             return Ok(());
         }
+        self.hold.list()?;
         let rank = model.share().partition().map(|own| own.team().rank());
         let path = self.folder.join(piece_name(number, rank));
         fields::write(&path, plan, model, state)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::columns::AXES;
 use crate::effects::vector;
-use crate::geometry::{Place, Vector};
+use crate::geometry::{Stencil, Vector};
 use crate::model::Model;
 use crate::output::{
     History, LinePlot, LineStyle, OutputError, Series, lines_svg, plots::readable_time,
@@ -138,11 +138,10 @@ fn along<const D: usize>(
     state: &State,
     exact: &Exact,
     time: Option<f64>,
-    places: &[Place<D>],
+    places: &[Stencil<D>],
 ) -> Vec<Values> {
     let mut all = Vec::new();
     if let Some(flow) = &model.flow {
-        let computed = |x| flow.pressure_at(&state.pressure, state.time, x);
         let known = |exact: &dyn ExactPressure, x: &Vector<D>| match time {
             Some(time) => finite(exact.pressure(x.as_slice(), time)),
             None => f64::NAN,
@@ -151,13 +150,12 @@ fn along<const D: usize>(
         all.push(Values {
             name: "pressure".to_owned(),
             unit: "Pa",
-            computed: places.iter().map(computed).collect(),
+            computed: flow.pressures_at(&state.pressure, state.time, places),
             exact: exact.map(|exact| places.iter().map(|x| known(exact, &x.at)).collect()),
         });
     }
     if let Some(solid) = &model.solid {
-        let computed = |x| solid.displacement_at(&state.displacement, &state.walls, x);
-        let computed: Vec<Vector<D>> = places.iter().map(computed).collect();
+        let computed = solid.displacements_at(&state.displacement, &state.walls, places);
         let known = |exact: &dyn ExactDisplacement, x: &Vector<D>| match time {
             Some(time) => vector::<D>(&exact.displacement(x.as_slice(), time)),
             None => Vector::repeat(f64::NAN),

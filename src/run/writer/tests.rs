@@ -2,11 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use super::*;
 use crate::plan::resolve;
-use crate::run::run;
+use crate::run::{Interrupt, run};
 use crate::scene::load_str;
 
 /// A block under a load that grows, and nothing else.
@@ -50,7 +49,7 @@ pub fn plan(overrides: &[&str]) -> Plan {
 
 fn write(folder: &Path, overrides: &[&str]) -> Summary {
     let mut writer = Writer::create(folder, "").unwrap();
-    let interrupt = AtomicBool::new(false);
+    let interrupt = Interrupt::default();
     let result = run::<2>(&plan(overrides), Some(&mut writer), &mut (), &interrupt);
     result.unwrap_or_else(|error| panic!("{error}")).0
 }
@@ -59,6 +58,7 @@ fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name != crate::output::LIST)
         .collect();
     names.sort();
     names
@@ -174,4 +174,40 @@ fn a_profile_has_a_row_per_place_and_output_after_the_start() {
     assert!(drawing.contains("y-displacement along up"));
     let curves = (1..=10).filter(|k| drawing.contains(&format!("t = {k} s")));
     assert_eq!(curves.collect::<Vec<_>>(), [2, 4, 6, 8, 10]);
+}
+
+#[test]
+fn history_has_every_step_until_there_are_too_many_and_then_an_even_share() {
+    let folder = tempfile::tempdir().unwrap();
+    let run_with = |most: usize| {
+        let mut writer = Writer::create(folder.path(), "").unwrap();
+        writer.most_rows = most;
+        let plan = plan(&["time.step=0.1", "output.plots=false"]);
+        let interrupt = Interrupt::default();
+        let (summary, _) = run::<2>(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
+        let table = History::read(folder.path().join("history.csv")).unwrap();
+        (summary, table.column("time_s").unwrap())
+    };
+    let (summary, time) = run_with(MOST_ROWS);
+    assert_eq!((time.len(), summary.steps), (101, 100));
+    assert!(
+        !summary
+            .warnings
+            .iter()
+            .any(|text| text.contains("history.csv"))
+    );
+    let (summary, time) = run_with(16);
+    // 101 states pass 16 rows at strides of 1, 2 and 4.
+    let expected = (0..13).map(|k| 0.8 * f64::from(k)).chain([10.0]);
+    assert_eq!(time.len(), 14);
+    assert!(
+        time.iter()
+            .zip(expected)
+            .all(|(found, exact)| (found - exact).abs() < 1e-9)
+    );
+    let told = summary
+        .warnings
+        .iter()
+        .filter(|text| text.contains("one in 8 of the 100 steps"));
+    assert_eq!(told.count(), 1, "{:?}", summary.warnings);
 }

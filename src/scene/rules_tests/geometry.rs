@@ -48,6 +48,12 @@ fn geometry_rules() {
             "0",
         ),
         (
+            "seed = 3",
+            "thickness = \"-1 mm\"",
+            "`thickness` must be positive",
+            "\"-1 mm\"",
+        ),
+        (
             "jitter = 0.1",
             "jitter = 0.5",
             "`jitter` must lie between 0 and 0.4, found 0.5",

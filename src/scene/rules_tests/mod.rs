@@ -204,6 +204,8 @@ mode = "steady"
         found[0].0,
         "a rate per metre of thickness has no meaning in three dimensions"
     );
+    let found = faults(text, &["geometry.thickness=\"1 m\""]);
+    assert_eq!(found[0].0, "`thickness` has no meaning in three dimensions");
     let found = faults(
         text,
         &["flow.boundary.front={}", "flow.boundary.back.flux=1 m"],

@@ -56,7 +56,7 @@ pub struct CrackDisc {
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Injection {
-    /// Volume rate into the crack, m³/s (m²/s per metre of thickness in a plane), for the whole
+    /// Volume rate into the crack, m³/s, or m²/s per metre of `geometry.thickness` in a plane, for the whole
     /// plane: a place on a side of symmetry takes half of it.
     pub rate: Load<dimension::FlowRate>,
     /// Where, m.

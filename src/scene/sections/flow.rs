@@ -27,6 +27,9 @@ pub struct Flow {
     pub initial_pressure: Pressure,
     /// Adds the weight of the fluid to the pressure at the start. Needs `[gravity]`.
     pub hydrostatic_start: Spanned<bool>,
+    /// Whether pressures below zero are meant: suction, or pressures that count from another one than
+    /// zero. Without it the first one is a warning.
+    pub suction: bool,
     /// Conditions on the sides; a side that is not named is sealed.
     pub boundary: Boundary<Condition>,
     /// Prescribed pressure in parts of the domain.
@@ -51,6 +54,7 @@ impl Default for Flow {
             gradient: Spanned::default(),
             initial_pressure: Pressure::si(0.0),
             hydrostatic_start: Spanned::default(),
+            suction: false,
             boundary: Boundary::default(),
             regions: Vec::new(),
         }

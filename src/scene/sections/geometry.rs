@@ -46,6 +46,9 @@ pub struct Lattice {
     /// Seed of the random shift.
     #[serde(default)]
     pub seed: u64,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// A tensor grid: each axis is a row of segments.
@@ -56,6 +59,9 @@ pub struct Graded {
     pub origin: Option<Spanned<Vec<Length>>>,
     /// For each axis its segments from low to high.
     pub axes: Spanned<Vec<Spanned<Vec<Segment>>>>,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// A part of an axis.
@@ -92,6 +98,9 @@ pub struct Blocks {
     /// Regions of finer cells.
     #[serde(default)]
     pub refine: Vec<Refinement>,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// A region of finer cells.
@@ -117,6 +126,9 @@ pub struct PointFile {
     /// Accepts volumes that do not fit the bounds or the distances between the points.
     #[serde(default)]
     pub any_volume: bool,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
 }
 
 /// Corners of a domain whose points come from a file.
@@ -203,6 +215,16 @@ impl Geometry {
         }
     }
 
+    /// Extent across the plane, m, where it is given.
+    pub fn thickness(&self) -> Option<Length> {
+        match self {
+            Self::Lattice(lattice) => lattice.thickness,
+            Self::Graded(graded) => graded.thickness,
+            Self::Blocks(blocks) => blocks.thickness,
+            Self::File(file) => file.thickness,
+        }
+    }
+
     /// Corners of the domain; `None` if only the points' file knows.
     pub fn bounds(&self) -> Option<Bounds> {
         Some(match self {
@@ -266,7 +288,19 @@ impl Section for Geometry {
             Self::Blocks(blocks) => check_blocks(blocks, scene, report),
             Self::File(file) => check_file(file, report),
         }
+        if let Some(thickness) = self.thickness() {
+            report.positive("thickness", thickness);
+            if self.dimension() == Some(3) {
+                report.add(thickness_in_space(thickness.span()));
+            }
+        }
     }
+}
+
+/// The fault of a thickness in three dimensions.
+pub fn thickness_in_space(place: Span) -> Diagnostic {
+    let fault = Diagnostic::new("`thickness` has no meaning in three dimensions").at(place);
+    fault.help("leave it out: the third axis of the domain is its thickness")
 }
 
 fn check_box(

@@ -31,6 +31,7 @@ pub use flow::{
 };
 pub use fluid::Fluid;
 pub use fracture_flow::{Aperture, FractureFlow, Transmissivity};
+pub(crate) use geometry::thickness_in_space;
 pub use geometry::{
     Blocks, Bounds, FileBounds, Geometry, Graded, Lattice, PointFile, Refinement, Segment,
     SegmentSpacing,

@@ -11,7 +11,8 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Solver {
-    /// Name and options as text: `"auto"`, `"faer-cg:preconditioner=jacobi"`.
+    /// Name and options as text: `"auto"`, `"faer-cg:preconditioner=jacobi"`. Flags of PETSc that
+    /// read or write files or print are taken from the command line only.
     pub name: Spanned<String>,
 }
 

@@ -15,7 +15,7 @@ use crate::scene::validate::{Context, Report, Section};
 pub struct Well {
     /// Position, m.
     pub at: Spanned<Vec<Length>>,
-    /// Volume rate into the rock, m³/s (m²/s per metre of thickness in a plane), for the whole
+    /// Volume rate into the rock, m³/s, or m²/s per metre of `geometry.thickness` in a plane, for the whole
     /// plane: a well on a corner of the domain puts a quarter into it.
     pub rate: Load<dimension::FlowRate>,
     /// Radius over which the source is spread, m; chosen from the horizon if absent.

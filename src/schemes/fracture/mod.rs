@@ -93,7 +93,7 @@ impl<const D: usize> Fracture<D> {
             contrast: 1.0 / plan.residual_stiffness,
             ..mechanics_problem(solid, &coordinates, demand.solves)
         };
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
         Ok(Fracture {
             solver,
             chosen,

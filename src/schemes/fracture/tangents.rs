@@ -88,7 +88,8 @@ impl<const D: usize> TangentMatrix<D> {
         softening: Softening,
     ) -> bool {
         let elastic = &solid.elastic;
-        let next = damage.tangents(elastic, history, resting, answer, softening);
+        let tangents = || damage.tangents(elastic, history, resting, answer, softening);
+        let next = solid.timers.time("laws", tangents);
         let moved = |i: usize| {
             let integrity = answer.hourglass[i] / self.integrity[i] - 1.0;
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
@@ -115,13 +116,9 @@ impl<const D: usize> TangentMatrix<D> {
             integrity: &self.integrity,
             drives: &self.drives,
         };
-        fill_rows(
-            elastic,
-            &moduli,
-            Some(&changed),
-            &solid.points,
-            self.matrix.data_mut(),
-        );
+        let values = self.matrix.data_mut();
+        let fill = || fill_rows(elastic, &moduli, Some(&changed), &solid.points, values);
+        solid.timers.time("assembly", fill);
         self.refilled += count as u64;
         true
     }

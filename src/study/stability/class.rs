@@ -213,7 +213,7 @@ mod tests {
         let plan = crate::plan::resolve(&loaded, "footing").unwrap();
         let folder = tempfile::tempdir().unwrap();
         let mut writer = crate::run::Writer::create(folder.path(), "").unwrap();
-        let interrupt = std::sync::atomic::AtomicBool::new(false);
+        let interrupt = crate::run::Interrupt::default();
         crate::run::run::<2>(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
         let mut row = Row::unmeasured(String::new(), 0, Status::Done, String::new());
         row.fields = profile::fields(folder.path(), profile::Kept::Extremes);

@@ -7,14 +7,14 @@ mod random;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use perifrac::explain::explain;
 use perifrac::model::Model;
 use perifrac::plan::{Plan, TimeMode, resolve};
 use perifrac::report::Timers;
-use perifrac::run::{RunError, examine, run};
+use perifrac::run::{Interrupt, RunError, examine, run};
 use perifrac::scene::load_str;
 use perifrac::schemes;
 use perifrac::schemes::StepError;
@@ -150,7 +150,9 @@ fn begin<const D: usize>(plan: &Plan) -> Result<(), RunError> {
 
 /// A run that is interrupted at once may fail by its numbers, but not by what the scene asks for.
 fn started<const D: usize>(plan: &Plan) -> Result<bool, String> {
-    match run::<D>(plan, None, &mut (), &AtomicBool::new(true)) {
+    let interrupt = Interrupt::default();
+    interrupt.raise();
+    match run::<D>(plan, None, &mut (), &interrupt) {
         Err(RunError::Step { source, .. }) if is_refusal(&source) => {
             Err(format!("refused by the run alone: {source}"))
         }

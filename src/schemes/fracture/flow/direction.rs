@@ -59,7 +59,8 @@ impl<const D: usize> FractureFlowStep<D> {
             });
         };
         let stiffness = self.tangent.matrix.data();
-        block.fill(stiffness, solid, flow, coupling, dt);
+        let fill = || block.fill(stiffness, solid, flow, coupling, dt);
+        model.timers.time("assembly", fill);
         let matrix = block.matrix.view();
         let (width, scale) = (D + 1, block.layout.scale);
         let mut rhs = vec![0.0; block.matrix.rows()];

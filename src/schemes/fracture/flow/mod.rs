@@ -125,7 +125,7 @@ impl<const D: usize> FractureFlowStep<D> {
             ..plain
         };
         let demand = plan.fracture_demand();
-        let (solver, chosen) = build_solver(&demand.spec, &problem)?;
+        let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
         let part = perifrac_solvers::Demand {
             spec: part_of(&demand.spec)?,
             ..demand

@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::operators::Answer;
 use crate::schemes::fracture::{Fracture, damage_of};
 use crate::schemes::implicit::weigh;
+use crate::schemes::stagnation::Stagnation;
 use crate::schemes::{SolidSolver, State, StepError, StepReport, flow_of, solid_of};
 
 /// Forces out of balance, relative to all, from which passes are taken to contract.
@@ -41,8 +42,6 @@ const STUCK: usize = 8;
 const GIVEN_UP: usize = 100;
 /// Damage, summed over points, that counts as progress of a crack that runs.
 const ADVANCE: f64 = 0.5;
-/// Share of the least so far below which a pass has made progress.
-const PROGRESS: f64 = 0.9;
 /// Shortest share of a pass.
 const SHORTEST: f64 = 0.125;
 
@@ -52,12 +51,10 @@ struct Watch {
     best: f64,
     /// That of the pass before.
     before: f64,
-    /// Least of the larger of both, what is out of balance and what is owed, over what is allowed.
-    least: f64,
+    /// Of the larger of both, what is out of balance and what is owed, over what is allowed.
+    stagnation: Stagnation,
     /// Damage summed over points when the crack last made progress.
     broken: f64,
-    /// Passes since the last progress.
-    stuck: usize,
     /// Share of a pass that is taken: passes that go round in circles meet where they are shortened.
     share: f64,
 }
@@ -66,17 +63,15 @@ impl Watch {
     /// Takes note of how far off a pass starts and of how many points' worth has broken; false once there
     /// is no hope. A crack that runs is far off for long, but breaks on.
     fn goes_on(&mut self, off: f64, broken: f64, shortens: bool) -> bool {
-        self.stuck += 1;
-        if off <= PROGRESS * self.least {
-            (self.least, self.stuck) = (off, 0);
-        }
+        let mut stuck = self.stagnation.note(off);
         if broken >= self.broken + ADVANCE {
-            (self.broken, self.stuck) = (broken, 0);
+            self.stagnation.forgive();
+            (self.broken, stuck) = (broken, 0);
         }
-        if shortens && self.stuck > 0 && self.stuck.is_multiple_of(STUCK) {
+        if shortens && stuck > 0 && stuck.is_multiple_of(STUCK) {
             self.share = (0.5 * self.share).max(SHORTEST);
         }
-        self.stuck < GIVEN_UP
+        stuck < GIVEN_UP
     }
 }
 
@@ -270,9 +265,8 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut watch = Watch {
             best: f64::INFINITY,
             before: f64::INFINITY,
-            least: f64::INFINITY,
+            stagnation: Stagnation::new(),
             broken: found.answer.damage.iter().sum(),
-            stuck: 0,
             share: 1.0,
         };
         self.acceleration.forget();
@@ -451,8 +445,9 @@ pub fn close<const D: usize>(
     flow.imbalance(at.time, &at.pressure, &mut imbalance);
     let taken = taken(model, old, new)?;
     report.flows = weigh(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
-    let fixed = flow.fixed.iter().map(|fixed| taken[fixed.point]);
-    report.flows.fixed += fixed.sum::<f64>();
+    for fixed in &flow.fixed {
+        report.flows.hold(fixed.load, taken[fixed.point]);
+    }
     report.stored = Some(taken.iter().sum());
     Ok(())
 }
