@@ -33,7 +33,7 @@ const SPACE: [&str; 2] = ["geometry.size=[1, 0.5, 0.5]", "geometry.points=[10, 5
 /// Runs a plan into a folder; gives its history too.
 fn write<const D: usize>(plan: &Plan, folder: &Path) -> (Summary, Table) {
     let mut writer = Writer::create(folder, "").unwrap();
-    let interrupt = std::sync::atomic::AtomicBool::new(false);
+    let interrupt = perifrac::run::Interrupt::default();
     let run = perifrac::run::run::<D>(plan, Some(&mut writer), &mut (), &interrupt);
     let (summary, _) = run.unwrap_or_else(|error| panic!("{error}"));
     (summary, History::read(folder.join("history.csv")).unwrap())

@@ -183,7 +183,7 @@ fn history_has_every_step_until_there_are_too_many_and_then_an_even_share() {
         let mut writer = Writer::create(folder.path(), "").unwrap();
         writer.most_rows = most;
         let plan = plan(&["time.step=0.1", "output.plots=false"]);
-        let interrupt = AtomicBool::new(false);
+        let interrupt = Interrupt::default();
         let (summary, _) = run::<2>(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
         let table = History::read(folder.path().join("history.csv")).unwrap();
         (summary, table.column("time_s").unwrap())
