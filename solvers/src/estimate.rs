@@ -65,13 +65,17 @@ impl Outline {
     ///
     /// Point smoothers do not see fields without change of volume, so iterations grow with the root of
     /// what resists that. Measured with CG and smoothed aggregation to 1e-12, a cantilever of 8 × 1 in
-    /// the plane, iterations a solve:
+    /// the plane and one of 4 × 1 × 1 in space, iterations a solve (seconds of one core for two solves
+    /// with the set-up, and those of a factor):
     ///
-    /// | Poisson's ratio | 0.3 | 0.45 | 0.49 | 0.499 |
-    /// |---|---|---|---|---|
-    /// | root of volume stiffness | 1.9 | 3.3 | 7.1 | 22 |
-    /// | 160 × 20 points | 25 | 46 | 101 | 334 |
-    /// | 320 × 40 points | 31 | 44 | 88 | 365 |
+    /// | Poisson's ratio | 0.3 | 0.45 | 0.49 | 0.499 | factor |
+    /// |---|---|---|---|---|---|
+    /// | root of volume stiffness | 1.9 | 3.3 | 7.1 | 22 | |
+    /// | 160 × 20 points | 25 (0.12) | 46 (0.19) | 101 (0.37) | 334 (1.0) | 0.07 |
+    /// | 320 × 40 points | 31 (0.70) | 44 (0.78) | 88 (1.3) | 365 (4.9) | 0.36 |
+    /// | 640 × 80 points | 33 (3.2) | | 107 (7.0) | | 2.8 |
+    /// | 32 × 8 × 8 points | 20 (0.17) | | 92 (0.54) | 355 (1.7) | 0.15 |
+    /// | 48 × 12 × 12 points | 20 (0.79) | | 88 (2.1) | 344 (6.1) | 0.94 |
     fn slowness(&self) -> f64 {
         (self.volume_stiffness / USUAL_VOLUME_STIFFNESS)
             .max(1.0)

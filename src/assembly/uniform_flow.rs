@@ -32,16 +32,19 @@ pub fn uniform_flow_error<const D: usize, F: BondForm<D>>(form: &F, one_sided: &
         .fold(0.0, f64::max)
 }
 
-/// Points that feel a boundary without images: what they leave over is what flows through it.
+/// Points that feel a boundary without images or a void: what they leave over is what flows through it.
 fn free_points<const D: usize>(around: &Neighbourhood<D>, one_sided: &[bool]) -> Vec<bool> {
     let sides: Vec<Side> = Side::all(D).filter(|s| one_sided[s.index()]).collect();
-    let layer = boundary_layer(around, &sides);
     let voids = Voids::find(&around.cloud);
-    if voids.is_empty() {
-        return layer;
+    let mut layer = boundary_layer(around, &sides);
+    if !voids.is_empty() {
+        let surface = surface_layer(around, &voids);
+        layer
+            .iter_mut()
+            .zip(&surface)
+            .for_each(|(own, feels)| *own |= feels);
     }
-    let surface = surface_layer(around, &voids);
-    layer.iter().zip(&surface).map(|(a, b)| *a || *b).collect()
+    layer
 }
 
 fn error_along<const D: usize, F: BondForm<D>>(

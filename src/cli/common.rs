@@ -183,9 +183,9 @@ impl Planned {
             _ => scene.geometry.span,
         };
         match error {
-            ModelError::Geometry(GeometryError::TooLarge { .. }) | ModelError::Generate(_) => {
-                Some(scene.geometry.span)
-            }
+            ModelError::Geometry(GeometryError::TooLarge { .. })
+            | ModelError::Generate(_)
+            | ModelError::Unresolved { .. } => Some(scene.geometry.span),
             ModelError::Geometry(_) => Some(horizon),
             ModelError::CrackThroughPoint { name, .. }
             | ModelError::CrackAtBoundary { name, .. } => {
@@ -201,7 +201,8 @@ impl Planned {
                 "output.probes" => Some(scene.output.probes.get(name)?.at.span),
                 _ => Some(scene.output.profiles.get(name)?.from.span),
             },
-            ModelError::EmptyPressureRegion { number } => scene
+            ModelError::EmptyPressureRegion { number }
+            | ModelError::CoveredPressureRegion { number } => scene
                 .flow
                 .as_ref()?
                 .regions

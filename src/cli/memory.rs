@@ -36,11 +36,12 @@ pub fn shortage(need: &Memory, limit: Option<u64>) -> Option<String> {
         },
         None => free(Path::new("/"))?,
     };
-    (need.total > free.bytes).then(|| {
+    (need.peak > free.bytes).then(|| {
         format!(
-            "the run needs about {} of memory (bonds {}, gradients {}, matrices {}, factor {}, fields \
-             {}), and {} are free ({}); {}, or set the limit by hand with --memory SIZE",
-            bytes(need.total),
+            "the run needs about {} of memory at its highest (bonds {}, gradients {}, matrices {}, \
+             factor {}, fields {}, and their working copies), and {} are free ({}); {}, or set the limit \
+             by hand with --memory SIZE",
+            bytes(need.peak),
             bytes(need.bonds),
             bytes(need.gradients),
             bytes(need.matrices),
@@ -285,11 +286,12 @@ mod tests {
             factor: 6_000_000_000,
             fields: 0,
             total: 9_000_000_000,
+            peak: 14_400_000_000,
         };
-        assert_eq!(shortage(&need, Some(10 * GIB)), None);
+        assert_eq!(shortage(&need, Some(14 * GIB)), None);
         let told = shortage(&need, Some(8 * GIB)).unwrap();
         for words in [
-            "9.00 GB of memory",
+            "14.40 GB of memory at its highest",
             "factor 6.00 GB",
             "(--memory)",
             "preconditioner=amg",

@@ -109,6 +109,8 @@ pub struct Memory {
     pub fields: u64,
     /// All together.
     pub total: u64,
+    /// What the program takes at its highest: with copies of what is being put together.
+    pub peak: u64,
 }
 
 /// A limit of the time step.

@@ -184,6 +184,13 @@ fn fill(dimension: usize, sample: &Sample, system: System) -> f64 {
     fill.max(1.0)
 }
 
+/// Resident memory at its highest, over what is held in the end: families and matrices are put together
+/// beside their parts. Measured on 17 runs of bundled cases from 22 to 400 MB (factors, multigrid, Schur;
+/// two and three dimensions; damage): 0.71 to 1.04 of what is told so.
+const PEAK: f64 = 1.6;
+/// What the program takes without a model, bytes.
+const PROGRAM: u64 = 16_000_000;
+
 /// Estimated memory of a model and its matrices.
 pub(super) fn memory(plan: &Plan, sample: &Sample, matrices: &[MatrixSize]) -> Memory {
     let (points, dimension) = (sample.points as f64, plan.dimension as f64);
@@ -204,12 +211,14 @@ pub(super) fn memory(plan: &Plan, sample: &Sample, matrices: &[MatrixSize]) -> M
     }
     let held: u64 = matrices.iter().map(|matrix| matrix.bytes).sum();
     let factors: u64 = matrices.iter().map(|matrix| matrix.factor).sum();
+    let total = (bonds + gradients + fields) as u64 + held + factors;
     Memory {
         bonds: bonds as u64,
         gradients: gradients as u64,
         matrices: held,
         factor: factors,
         fields: fields as u64,
-        total: (bonds + gradients + fields) as u64 + held + factors,
+        total,
+        peak: (PEAK * total as f64) as u64 + PROGRAM,
     }
 }

@@ -45,13 +45,14 @@ impl fmt::Display for Explanation {
         let memory = &self.memory;
         writeln!(
             f,
-            "  memory     about {} (bonds {}, gradients {}, matrices {}, factor {}, fields {})",
+            "  memory     about {} (bonds {}, gradients {}, matrices {}, factor {}, fields {}), {} at its highest",
             bytes(memory.total),
             bytes(memory.bonds),
             bytes(memory.gradients),
             bytes(memory.matrices),
             bytes(memory.factor),
-            bytes(memory.fields)
+            bytes(memory.fields),
+            bytes(memory.peak)
         )?;
         for limit in &self.limits {
             if limit.dt.is_finite() {

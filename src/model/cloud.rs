@@ -18,6 +18,31 @@ use super::ModelError;
 pub fn build_cloud<const D: usize>(
     plan: &Plan,
 ) -> Result<(Cloud<D>, Option<&PointTable>), ModelError> {
+    let (cloud, table) = generate(plan)?;
+    check_resolved(&cloud)?;
+    Ok((cloud, table))
+}
+
+/// Cell edges over the largest coordinate below which neighbours cannot be told apart well enough:
+/// differences of coordinates keep three digits fewer than 16.
+const FINEST: f64 = 1e-10;
+
+/// Points so far from the origin that rounding moves them are no lattice any more.
+fn check_resolved<const D: usize>(cloud: &Cloud<D>) -> Result<(), ModelError> {
+    let reach = cloud.domain.lower.amax().max(cloud.domain.upper.amax());
+    let edge = |point: &usize| cloud.cell[*point].min();
+    let fine = |point: &usize| !(edge(point) > FINEST * reach && cloud.volume[*point] > 0.0);
+    match (0..cloud.len()).find(fine) {
+        None => Ok(()),
+        Some(point) => Err(ModelError::Unresolved {
+            point,
+            edge: edge(&point),
+            reach,
+        }),
+    }
+}
+
+fn generate<const D: usize>(plan: &Plan) -> Result<(Cloud<D>, Option<&PointTable>), ModelError> {
     match &plan.geometry {
         GeometryPlan::Lattice {
             origin,

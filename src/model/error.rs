@@ -22,6 +22,19 @@ pub enum ModelError {
         /// What is wrong and what to do.
         message: String,
     },
+    /// Cells too small for their distance from the origin.
+    #[error(
+        "the cell of point {point} is {edge:.3e} m wide, too little beside coordinates up to \
+         {reach:.3e} m, which round it away; move the domain to the origin, or make cells more alike"
+    )]
+    Unresolved {
+        /// The point.
+        point: usize,
+        /// Shortest edge of its cell, m.
+        edge: f64,
+        /// Largest coordinate of the domain, m.
+        reach: f64,
+    },
     /// Families could not be built.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
@@ -98,6 +111,15 @@ pub enum ModelError {
     /// A region with prescribed pressure holds no point.
     #[error("flow.regions #{number} holds no point; enlarge it or refine the cloud")]
     EmptyPressureRegion {
+        /// Which region, from 1.
+        number: usize,
+    },
+    /// A region with prescribed pressure whose points all belong to later regions or to cracks.
+    #[error(
+        "all points of flow.regions #{number} lie in later regions or in cracks with a pressure, which \
+         replace it; reorder the regions or change them"
+    )]
+    CoveredPressureRegion {
         /// Which region, from 1.
         number: usize,
     },

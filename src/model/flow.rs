@@ -504,6 +504,10 @@ fn fixed_points<const D: usize>(
         }
         loads.push(pressure.clone());
     }
+    let lost = (0..flow.regions.len()).find(|load| !chosen.contains(&Some(*load)));
+    if let Some(lost) = lost {
+        return Err(ModelError::CoveredPressureRegion { number: lost + 1 });
+    }
     let points = chosen.into_iter().enumerate();
     let fixed = points.filter_map(|(point, load)| load.map(|load| FixedPressure { point, load }));
     Ok((fixed.collect(), loads))

@@ -196,7 +196,7 @@ impl<D: Dimension> Visitor<'_> for QuantityVisitor<D> {
 
     fn visit_f64<E: Error>(self, number: f64) -> Result<Bare<D>, E> {
         if number.is_finite() {
-            return Ok(Bare::new(number, 0));
+            return bounded::<D, E>(number, 0);
         }
         Err(E::custom(format!(
             "expected {}, found {number}, which is not finite",
@@ -210,10 +210,10 @@ impl<D: Dimension> Visitor<'_> for QuantityVisitor<D> {
             None => E::custom(error),
         })?;
         let Some(found) = dimension else {
-            return Ok(Bare::new(value, 0));
+            return bounded::<D, E>(value, 0);
         };
         match D::ACCEPTED.iter().position(|accepted| *accepted == found) {
-            Some(accepted) => Ok(Bare::new(value, accepted)),
+            Some(accepted) => bounded::<D, E>(value, accepted),
             None => Err(E::custom(format!(
                 "expected {}, found {}: \"{text}\"{HELP}write it like {}",
                 words::<D>(),
@@ -222,6 +222,22 @@ impl<D: Dimension> Visitor<'_> for QuantityVisitor<D> {
             ))),
         }
     }
+}
+
+/// Decades above and below 1 in which products of several quantities neither overflow nor vanish.
+const MOST_DECADES: i32 = 50;
+
+/// A quantity that can be computed with.
+fn bounded<D: Dimension, E: Error>(value: f64, accepted: usize) -> Result<Bare<D>, E> {
+    let most = 10.0_f64.powi(MOST_DECADES);
+    if value.abs() <= most && (value.abs() >= 1.0 / most || value.abs() <= 0.0) {
+        return Ok(Bare::new(value, accepted));
+    }
+    let words = words::<D>();
+    Err(E::custom(format!(
+        "expected {words}, found {value:e}{HELP}nothing above 1e{MOST_DECADES} or below \
+         1e-{MOST_DECADES} can be computed with"
+    )))
 }
 
 /// "a pressure (Pa)".
@@ -333,6 +349,9 @@ mod tests {
                 "1e999",
                 "expected a time (s), found inf, which is not finite",
             ),
+            ("1e60", "expected a time (s), found 1e60"),
+            ("-1e-60", "expected a time (s), found -1e-60"),
+            ("\"1e60 h\"", "expected a time (s), found 3.6e63"),
             ("true", "expected a time (s), found true"),
             ("[1]", "expected a time (s), found a list"),
             ("{}", "expected a time (s), found a table"),

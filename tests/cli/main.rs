@@ -13,6 +13,7 @@ mod fault_runs;
 mod fault_texts;
 mod folders;
 mod interrupt;
+mod limits;
 mod listings;
 mod mutations;
 mod processes;

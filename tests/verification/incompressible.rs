@@ -2,7 +2,7 @@
 
 use perifrac_solvers::{BACKENDS, Outline, Symmetry, choose};
 
-use crate::support::{plan_of, run_text, try_run};
+use crate::support::{model, plan_of, run_text, try_run};
 
 /// A cantilever of 20 rows under a load at its end.
 const CANTILEVER: &str = r#"
@@ -42,6 +42,23 @@ fn a_cantilever_bends_as_it_should_up_to_a_poissons_ratio_of_nearly_a_half() {
         let off = tip / timoshenko(poissons_ratio) - 1.0;
         println!("{poissons_ratio}: {off:.4} by {:?}", summary.solver);
         assert!(off.abs() < most, "{poissons_ratio}: {off}");
+    }
+}
+
+/// The bound of rounding holds and is some ten times what is left; the load is 100 N.
+#[test]
+fn forces_left_out_of_balance_are_those_of_rounding() {
+    for poissons_ratio in [0.499, 0.4999, 0.499_99] {
+        let plan = plan_of(
+            CANTILEVER,
+            &[&format!("materials.r.poissons_ratio={poissons_ratio}")],
+        );
+        let (summary, state) = try_run(&plan).unwrap();
+        let solid = model::<2>(&plan).solid.unwrap();
+        let left = 100.0 * summary.balance.momentum.unwrap();
+        let share = left / solid.rounding(&state.displacement, &state.walls);
+        println!("{poissons_ratio}: {left:e} N, {share:e} of the bound");
+        assert!((1e-2..1.0).contains(&share), "{poissons_ratio}: {share}");
     }
 }
 

@@ -61,6 +61,18 @@ fn the_bond_operator_tells_how_far_a_uniform_flow_is_off() {
     assert_eq!(warned(&run(&[])), None);
 }
 
+/// What flows through a flux side is no error of the operator.
+#[test]
+fn flux_sides_are_no_error_of_the_bond_operator() {
+    for set in [
+        "flow.boundary={left={pressure=1}, right={flux=1}}",
+        "flow.boundary={left={pressure=1}, top={flux=1}}",
+    ] {
+        let (summary, _) = run_text(SQUARE, &["flow.operator=bond", set]);
+        assert_eq!(warned(&summary), None, "{set}");
+    }
+}
+
 #[test]
 fn the_bond_operator_is_refused_where_a_uniform_flow_is_a_tenth_off() {
     let sets = [

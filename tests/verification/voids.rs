@@ -298,6 +298,14 @@ fn regions_that_no_point_belongs_to_are_refused() {
         build(&[&refine(outside)]),
         Err(ModelError::Generate(_))
     ));
+    let held = |regions: &str| build(&[&format!("flow.regions=[{regions}]")]);
+    let one = |pressure: f64| format!("{{region={inside}, pressure={pressure}}}");
+    assert!(held(&one(1.0)).is_ok());
+    let twice = held(&format!("{}, {}", one(1.0), one(2.0)));
+    assert!(matches!(
+        twice,
+        Err(ModelError::CoveredPressureRegion { number: 1 })
+    ));
     let covered = [
         format!("materials.vein={{permeability=2, region={inside}}}"),
         format!("materials.dike={{permeability=3, region={inside}}}"),

@@ -59,8 +59,8 @@ struct BiCgStab {
     best: Vec<f64>,
     /// That residual over the first.
     least: f64,
-    /// Runs so far: where the next shadow comes from.
-    runs: u64,
+    /// Runs that broke down one after the other: where the next shadow comes from.
+    broken: u64,
 }
 
 /// ⟨a, b⟩, unless the two are orthogonal or not finite.
@@ -76,15 +76,13 @@ fn product(a: &[f64], b: &[f64]) -> Result<f64, Cause> {
 }
 
 impl BiCgStab {
-    /// The residual itself at first; after a run that went before, with signs that differ each time.
-    fn cast_shadow(&mut self, residual: &[f64], rhs: &[f64]) {
+    /// The residual itself; after a run that broke down with signs that differ each time.
+    fn cast_shadow(&mut self) {
         self.shadow.copy_from_slice(&self.r);
-        if residual == rhs {
-            self.runs = 0;
+        if self.broken == 0 {
             return;
         }
-        self.runs += 1;
-        let mut seed = self.runs;
+        let mut seed = self.broken;
         for value in &mut self.shadow {
             // Knuth's linear congruential generator: the same numbers on every machine.
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -155,7 +153,7 @@ impl Method for BiCgStab {
             z,
             best,
             least: _,
-            runs: _,
+            broken: _,
         } = self;
         for vector in [r, shadow, p, v, t, z, best] {
             *vector = vec![0.0; unknowns];
@@ -165,13 +163,17 @@ impl Method for BiCgStab {
     fn run(&mut self, mut pass: Pass<'_>, x: &mut [f64]) -> Run {
         let size = norm2(pass.residual);
         set_scaled(&mut self.r, 1.0 / size, pass.residual);
-        self.cast_shadow(pass.residual, pass.rhs);
+        self.cast_shadow();
         self.least = f64::INFINITY;
         self.keep(1.0, x);
         let mut iterations = 0;
         let outcome = self.iterate(&mut pass, size, x, &mut iterations);
-        if outcome.is_err() {
-            x.copy_from_slice(&self.best);
+        match outcome {
+            Ok(_) => self.broken = 0,
+            Err(_) => {
+                self.broken += 1;
+                x.copy_from_slice(&self.best);
+            }
         }
         let end = outcome.unwrap_or_else(End::Broken);
         Run { iterations, end }

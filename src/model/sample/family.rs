@@ -34,12 +34,10 @@ impl LocalFamily {
         let family = sampler.family(point);
         let mut hops: BTreeSet<usize> = family.iter().map(|(j, _, _)| *j).collect();
         hops.insert(point);
-        let second: BTreeSet<usize> = hops
-            .iter()
-            .flat_map(|&j| sampler.family(j))
-            .map(|(k, _, _)| k)
-            .chain(hops.clone())
-            .collect();
+        let two_hops = match hops.len() > MOST_HOPS {
+            true => (hops.len() << D).min(cloud.len()),
+            false => second_hops(sampler, &hops),
+        };
         let bonds: Vec<(Vector<D>, f64)> = family
             .iter()
             .map(|(j, _, xi)| {
@@ -53,11 +51,25 @@ impl LocalFamily {
             bonds: family.len(),
             solid_bonds: solid_bonds(plan, cloud, point, &bonds),
             hops: hops.len(),
-            two_hops: second.len(),
+            two_hops,
             one_hop: bracket.amax() < 1e-11,
             eigenvalue: symbol(&bonds, &shape, &bracket, hourglass, cloud.spacing(point)),
         }
     }
+}
+
+/// Points within one hop from which on those within two are estimated, as a ball of twice the radius:
+/// counting takes the square of this number.
+const MOST_HOPS: usize = 200;
+/// Bonds from which on the eigenvalue is taken for its bound.
+const MOST_BONDS: usize = 2000;
+
+fn second_hops<const D: usize>(sampler: &Sampler<'_, D>, hops: &BTreeSet<usize>) -> usize {
+    let mut second = hops.clone();
+    for &j in hops {
+        second.extend(sampler.family(j).into_iter().map(|(k, _, _)| k));
+    }
+    second.len()
 }
 
 /// Bonds whose ends do not lie beyond a plane on which forces alone act: there the solid has no
@@ -93,7 +105,8 @@ fn symbol<const D: usize>(
     hourglass: f64,
     spacing: f64,
 ) -> f64 {
-    let Some(inverse) = shape.try_inverse() else {
+    let inverse = shape.try_inverse().filter(|_| bonds.len() <= MOST_BONDS);
+    let Some(inverse) = inverse else {
         return 8.0;
     };
     let steps = 12_usize;

@@ -115,6 +115,8 @@ fn contrast(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 const SAMPLES: usize = 48;
+/// Bonds of a family from which on fewer are sampled.
+const LARGE: usize = 150;
 /// Share of the step of Eq. 60 that is taken (Eq. 61).
 const WAVE_SHARE: f64 = 0.7;
 
@@ -148,8 +150,14 @@ fn sampled<const D: usize>(
 ) -> Result<Sample, ModelError> {
     let sampler = Sampler::new(cloud, horizon)?;
     let hourglass = plan.flow.as_ref().map_or(1.0, |flow| flow.hourglass);
-    let families: Vec<LocalFamily> = sampled_points(cloud.len())
+    let samples = sampled_points(cloud.len());
+    let typical = samples.get(samples.len() / 2);
+    let size = typical.map_or(0, |&point| sampler.family(point).len());
+    // Large families cost more each, and differ less.
+    let step = (size / LARGE).clamp(1, samples.len().div_ceil(3).max(1));
+    let families: Vec<LocalFamily> = samples
         .into_iter()
+        .step_by(step)
         .map(|i| LocalFamily::new(plan, cloud, &sampler, i, hourglass))
         .collect();
     let mut per_material = vec![0; plan.materials.len()];

@@ -124,7 +124,7 @@ impl<const D: usize> CloudOutline<D> {
     /// # Errors
     /// [`ModelError::Generate`].
     pub fn stand_in(&self, horizon: Horizon) -> Result<StandIn<D>, ModelError> {
-        let coarser = (self.count / MODEL_POINTS).powf(1.0 / D as f64);
+        let coarser = self.coarsening();
         let cells: [usize; D] =
             std::array::from_fn(|axis| (self.along[axis] / coarser).round().max(1.0) as usize);
         let edge = |axis: usize| self.size[axis] / self.along[axis] * coarser;
@@ -143,6 +143,25 @@ impl<const D: usize> CloudOutline<D> {
     }
 }
 
+impl<const D: usize> CloudOutline<D> {
+    /// Factor by which spacings must grow for about [`MODEL_POINTS`]; no axis has less than one point.
+    fn coarsening(&self) -> f64 {
+        let points = |factor: f64| -> f64 {
+            let along = self.along.iter().map(|count| (count / factor).max(1.0));
+            along.product()
+        };
+        let (mut low, mut high) = (1.0, self.count.max(2.0));
+        for _ in 0..60 {
+            let middle = f64::sqrt(low * high);
+            match points(middle) > MODEL_POINTS {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        high
+    }
+}
+
 /// Cells that refinements add to those of the coarsest spacing: an upper estimate, in which regions
 /// count by their bounding boxes and those that overlap count twice.
 fn refined<const D: usize>(
@@ -151,20 +170,25 @@ fn refined<const D: usize>(
     origin: &Vector<D>,
     size: &Vector<D>,
 ) -> f64 {
-    let added = |refinement: &Refinement| {
-        let volume = (0..D)
-            .map(|axis| {
-                let [low, high] = extent(&refinement.region, axis);
-                let (start, end) = (origin[axis], origin[axis] + size[axis]);
-                // Cells that the region only touches are refined too.
-                let within = high.min(end) - low.max(start) + 2.0 * spacing;
-                within.clamp(0.0, size[axis])
-            })
-            .product::<f64>();
-        let finer = 2.0_f64.powi(refinement.levels as i32 * D as i32);
-        volume / spacing.powi(D as i32) * (finer - 1.0)
+    let halved = |refinement: &Refinement, level: u32| {
+        let edge = spacing / 2.0_f64.powi(level as i32);
+        let cells = (0..D).map(|axis| {
+            let [low, high] = extent(&refinement.region, axis);
+            let inside = high.min(origin[axis] + size[axis]) - low.max(origin[axis]);
+            // Cells that the region only touches are halved too, and those that these are too small for.
+            match inside < 0.0 {
+                true => 0.0,
+                false => (inside + 4.0 * edge).min(size[axis]) / edge,
+            }
+        });
+        cells.product::<f64>()
     };
-    refinements.iter().map(added).sum()
+    // A cell that is halved becomes 2^D cells.
+    let more = 2.0_f64.powi(D as i32) - 1.0;
+    (refinements.iter())
+        .flat_map(|refinement| (0..refinement.levels).map(move |level| (refinement, level)))
+        .map(|(refinement, level)| more * halved(refinement, level))
+        .sum()
 }
 
 /// Lowest and highest coordinate of a shape along an axis, m.
@@ -180,5 +204,92 @@ fn extent(shape: &Shape, axis: usize) -> [f64; 2] {
             })
         }
         Shape::Polygon { .. } | Shape::HalfPlane { .. } => endless,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::float_cmp)]
+    use super::*;
+    use crate::geometry::generate::Segment;
+
+    fn lattice_of(cells: [usize; 2]) -> GeometryPlan {
+        GeometryPlan::Lattice {
+            origin: vec![0.0, 0.0],
+            size: vec![cells[0] as f64, cells[1] as f64],
+            cells: cells.to_vec(),
+            jitter: 0.0,
+            seed: 0,
+        }
+    }
+
+    #[test]
+    fn a_slender_lattice_keeps_its_points_few_and_its_cells_square() {
+        for cells in [[1_000_000, 1], [1000, 1000], [3, 500_000]] {
+            let outline = CloudOutline::<2>::of(&lattice_of(cells)).unwrap();
+            let small = outline.stand_in(Horizon::Radius(3.0)).unwrap();
+            let points = small.cells.len() as f64;
+            assert!(
+                (0.9..1.1).contains(&(points / MODEL_POINTS)),
+                "{cells:?}: {points}"
+            );
+            let cell = small.cells.cell[0];
+            assert!((cell[0] / cell[1] - 1.0).abs() < 1e-9, "{cells:?}: {cell}");
+            assert!((cell[0] / small.coarser - 1.0).abs() < 1e-9);
+            assert_eq!(small.horizon, Horizon::Radius(3.0 * small.coarser));
+        }
+    }
+
+    /// A uniform half of cells of 1 and one of cells of 1/4: 2 · 8 in x, 4 · 4 in y.
+    #[test]
+    fn a_tensor_grid_has_the_spacings_of_its_segments() {
+        let segment = |length: f64, spacing: f64| Segment {
+            length,
+            first: spacing,
+            last: spacing,
+        };
+        let axes = vec![
+            vec![segment(2.0, 1.0), segment(2.0, 0.25)],
+            vec![segment(4.0, 0.4)],
+        ];
+        let graded = GeometryPlan::Graded {
+            origin: vec![0.0, 0.0],
+            axes,
+        };
+        let outline = CloudOutline::<2>::of(&graded).unwrap();
+        assert_eq!(outline.count, 100.0);
+        let [least, most] = outline.extremes();
+        assert!((least - f64::sqrt(0.25 * 0.4)).abs() < 1e-9, "{least}");
+        assert!((most - f64::sqrt(1.0 * 0.4)).abs() < 1e-9, "{most}");
+    }
+
+    fn blocks(spacing: f64, max: f64, levels: u32) -> GeometryPlan {
+        let region = Shape::Box {
+            min: vec![0.0, 0.0],
+            max: vec![max, max],
+        };
+        GeometryPlan::Blocks {
+            origin: vec![0.0, 0.0],
+            size: vec![1.0, 1.0],
+            spacing,
+            refinements: vec![Refinement { region, levels }],
+        }
+    }
+
+    /// A quarter of the square halved twice: 16 times as many cells there, and those it touches.
+    #[test]
+    fn refined_blocks_are_counted_from_above() {
+        let outline = CloudOutline::<2>::of(&blocks(0.01, 0.5, 2)).unwrap();
+        let exact = 7500.0 + 2500.0 * 16.0;
+        let over = outline.count / exact;
+        assert!((1.0..1.15).contains(&over), "{over}");
+        assert!((outline.extremes()[0] - 0.0025).abs() < 1e-4);
+    }
+
+    /// Around a tiny region every level adds a few cells, not four times as many as the one before.
+    #[test]
+    fn deep_blocks_around_a_place_are_few() {
+        let outline = CloudOutline::<2>::of(&blocks(0.1, 1e-4, 10)).unwrap();
+        assert!(outline.count < 1000.0, "{}", outline.count);
     }
 }

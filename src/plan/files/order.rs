@@ -91,7 +91,9 @@ fn misfit(path: &Path, shape: &[usize], cells: Option<&[usize]>) -> FileError {
                  {flat} (x fastest)",
                 tuple(cells),
                 names.join(", "),
-                cells.iter().product::<usize>(),
+                cells
+                    .iter()
+                    .fold(1_usize, |all, cells| all.saturating_mul(*cells)),
             );
             (format!("a grid of {} points", counts.join(" × ")), remedy)
         }

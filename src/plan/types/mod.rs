@@ -121,7 +121,7 @@ pub enum GeometryPlan {
         table: PointTable,
         /// Boundary planes, if given: smallest and largest corner, m.
         bounds: Option<(Vec<f64>, Vec<f64>)>,
-        /// Whether volumes are believed that do not fit the bounds or the distances of the points.
+        /// Whether volumes that do not fit the points are believed.
         any_volume: bool,
     },
 }

@@ -33,6 +33,7 @@ pub struct Material {
     /// Young's modulus E of the drained rock, Pa; needed where there is mechanics.
     pub youngs_modulus: Option<Pressure>,
     /// Poisson's ratio ν of the drained rock, from 0, below 0.5; needed where there is mechanics.
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 0.5))]
     pub poissons_ratio: Option<Number>,
     /// Density of the rock with its fluid, kg/m³; needed where its weight or inertia acts.
     pub density: Option<Density>,

@@ -42,7 +42,7 @@ const SMALL: [(&str, Option<&str>, &[&str]); 24] = [
     ),
     ("penny-3d", None, &["geometry.points=[4, 4, 4]"]),
     ("pressurised-notch", None, &["geometry.spacing=0.05"]),
-    ("reservoir-3d", None, &["geometry.points=[4, 4, 6]"]),
+    ("reservoir-3d", None, &["geometry.points=[8, 8, 6]"]),
     ("sneddon", None, &["geometry.spacing=0.05"]),
     ("terzaghi", None, &["geometry.spacing=0.5"]),
     (

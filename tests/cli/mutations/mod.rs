@@ -26,7 +26,7 @@ use mutator::mutated;
 /// first seed.
 const SCENES: u64 = 10_000;
 /// Seeds of scenes that once failed; each stays.
-const KEPT: [u64; 0] = [];
+const KEPT: [u64; 4] = [54, 403, 909, 974];
 /// A scene that takes longer has hung. It is tried again, since another program may have had the machine.
 const HUNG: Duration = Duration::from_secs(2);
 /// Of so many sound scenes one is started for good.
@@ -69,15 +69,30 @@ fn mutated_scenes_are_refused_alike_and_end_nothing() {
     );
     // Too few or too many sound scenes would test little.
     let share = sound.into_inner() as f64 / seeds.len() as f64;
+    println!("{} scenes, {share:.2} of them sound", seeds.len());
     assert!(
-        (0.05..0.7).contains(&share),
+        scenes < 1000 || (0.05..0.7).contains(&share),
         "{share} of the scenes are sound"
     );
+}
+
+/// Ends the test with the text of a scene that takes more than a minute: nothing else could.
+fn watch(seed: u64, text: String) -> std::sync::mpsc::Sender<()> {
+    let (done, ended) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let late = std::sync::mpsc::RecvTimeoutError::Timeout;
+        if ended.recv_timeout(Duration::from_secs(60)) == Err(late) {
+            eprintln!("seed {seed}: hung for a minute\n{text}");
+            std::process::exit(101);
+        }
+    });
+    done
 }
 
 /// Whether the scene of a seed is sound, or what is wrong with the program.
 fn try_seed(bases: &[Table], seed: u64) -> Result<bool, String> {
     let text = mutated(bases, seed);
+    let _watched = watch(seed, text.clone());
     let timed = || {
         let start = Instant::now();
         let judged = catch_unwind(AssertUnwindSafe(|| {
