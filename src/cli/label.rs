@@ -94,7 +94,7 @@ mod tests {
         let names = pair.map(|text| named(None, None, &[text]));
         assert_ne!(names[0], names[1]);
         let long = |last: &str| {
-            let many = vec!["materials.rock.permeability=1e-15"; 9];
+            let many = ["materials.rock.permeability=1e-15"; 9];
             named(None, None, &[&many[..], &[last]].concat())
         };
         assert_ne!(long("time.end=1"), long("time.end=2"));
