@@ -144,7 +144,7 @@ fn directions<const D: usize>() -> Vec<Vector<D>> {
             f64::from(k as i32 - steps)
         })
     });
-    let rim = all.filter(|v| v.amax() == f64::from(steps));
+    let rim = all.filter(|v| v.amax() > f64::from(steps) - 0.5);
     rim.map(|v| v.normalize()).collect()
 }
 
@@ -221,7 +221,8 @@ mod tests {
             let gap = gone.map(|y| (y - x).norm()).fold(f64::INFINITY, f64::min);
             let near = voids.within(x, edge);
             assert!(!near || gap < 2.5 * edge, "{x} is {gap} away");
-            assert!(near || gap > 1.3 * edge, "{x} is {gap} away ({i})");
+            // Points that moved by 0.3 leave a void that begins so much later.
+            assert!(near || gap > 1.2 * edge, "{x} is {gap} away ({i})");
         }
     }
 

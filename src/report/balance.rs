@@ -18,8 +18,15 @@ pub struct Balance {
     pub stored: f64,
     /// Everything that moved, in absolute amounts: the scale of `mass`.
     pub turnover: f64,
-    /// |injected + fixed − outflow − stored| / turnover.
+    /// |injected + fixed − outflow − stored| over the turnover, or over what pressure or strain stored or what
+    /// moved within where that is more: in a sealed body nothing goes in or out.
     pub mass: f64,
+    /// Gain of storage by pressure and by strain.
+    #[serde(skip)]
+    pub parts: [f64; 2],
+    /// Σ |V s Δp| over all points and steps: what moved within.
+    #[serde(skip)]
+    pub exchanged: f64,
     /// Largest amount that the pores held so far, m^D: the scale of rounding.
     #[serde(skip)]
     pub held: f64,
@@ -105,10 +112,11 @@ impl Balance {
         self.turnover += flows.gross + through + flows.fixed.abs();
     }
 
-    /// Closes the balance with the gain of storage since the start; what `rounding` (m^D) may lose is
+    /// Closes the balance with the gain of storage since the start, by pressure and by strain; what `rounding` (m^D) may lose is
     /// not lost.
-    pub fn close(&mut self, stored: f64, rounding: f64) {
-        self.stored = stored;
+    pub fn close(&mut self, parts: [f64; 2], rounding: f64) {
+        self.parts = parts;
+        self.stored = parts[0] + parts[1];
         self.mass = self.moved().error(rounding);
     }
 
@@ -117,7 +125,8 @@ impl Balance {
         Moved {
             gap: self.injected + self.fixed - self.outflow - self.stored,
             turnover: self.turnover,
-            stored: self.stored,
+            exchanged: self.exchanged,
+            parts: self.parts,
         }
     }
 
@@ -155,10 +164,12 @@ const REMEMBERED: f64 = 1e-2;
 pub struct Moved {
     /// What came in less what went out and what was stored.
     pub gap: f64,
-    /// Everything that moved, in absolute amounts.
+    /// Everything that moved in or out, in absolute amounts.
     pub turnover: f64,
-    /// Gain of storage.
-    pub stored: f64,
+    /// What moved within.
+    pub exchanged: f64,
+    /// Gain of storage by pressure and by strain.
+    pub parts: [f64; 2],
 }
 
 impl Moved {
@@ -167,7 +178,8 @@ impl Moved {
         Moved {
             gap: self.gap - before.gap,
             turnover: self.turnover - before.turnover,
-            stored: self.stored - before.stored,
+            exchanged: self.exchanged - before.exchanged,
+            parts: std::array::from_fn(|k| self.parts[k] - before.parts[k]),
         }
     }
 
@@ -176,7 +188,13 @@ impl Moved {
         // NaN must not pass for rounding.
         let beyond = self.gap.abs() - rounding;
         let gap = if beyond <= 0.0 { 0.0 } else { beyond };
-        over(gap, self.turnover.max(self.stored.abs()))
+        let whole = self
+            .parts
+            .iter()
+            .fold(self.turnover.max(self.exchanged), |most, own| {
+                most.max(own.abs())
+            });
+        over(gap, whole)
     }
 }
 
@@ -204,9 +222,9 @@ mod tests {
         };
         let mut balance = Balance::default();
         balance.add(&flows);
-        balance.close(3.0, 0.0);
+        balance.close([3.0, 0.0], 0.0);
         assert!(balance.mass < 1e-15);
-        balance.close(2.0, 0.0);
+        balance.close([2.0, 0.0], 0.0);
         assert!((balance.mass - 1.0 / 5.0).abs() < 1e-15);
     }
 }

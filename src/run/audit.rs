@@ -4,7 +4,7 @@ use perifrac_solvers::dot;
 
 use super::time_loop::Run;
 use crate::model::{Audit, Model};
-use crate::plan::TimeMode;
+use crate::plan::{SchemeChoice, TimeMode};
 use crate::report::{Balance, Moment, Supply};
 use crate::schemes::{Conserved, State, StepError, StepReport};
 
@@ -22,9 +22,13 @@ impl<const D: usize> Run<'_, D> {
         let before = balance.moved();
         balance.add(&report.flows);
         balance.held = balance.held.max(held(&self.model, trial));
+        balance.exchanged += exchanged(&self.model, &self.state, trial);
         let stored = match report.stored {
-            Some(own) => balance.stored + own,
-            None => self.stored(trial) - self.start_volume,
+            Some(own) => [balance.stored + own, 0.0],
+            None => {
+                let now = self.stored(trial);
+                std::array::from_fn(|k| now[k] - self.start_volume[k])
+            }
         };
         let rounding = match self.plan.time.mode {
             TimeMode::Transient => ROUNDING * balance.held,
@@ -33,7 +37,10 @@ impl<const D: usize> Run<'_, D> {
         };
         balance.close(stored, rounding);
         let conjured = self.measure_mechanics(trial, &mut balance);
-        let step = balance.moved().since(&before).error(rounding);
+        let step = match self.lags() {
+            true => 0.0,
+            false => balance.moved().since(&before).error(rounding),
+        };
         let limits = &self.plan.audit;
         let forces = balance.momentum.unwrap_or(0.0);
         let checks = [
@@ -54,6 +61,14 @@ impl<const D: usize> Run<'_, D> {
             }
         }
         Ok(balance)
+    }
+
+    /// Whether strain may lag behind the pressure: what one step loses the next one gains, so that the run is
+    /// held to the limit, and no step alone.
+    fn lags(&self) -> bool {
+        let relaxes = SchemeChoice::Explicit == self.plan.scheme
+            || matches!(self.plan.scheme, SchemeChoice::SemiImplicit(_));
+        relaxes && self.model.coupling.is_some()
     }
 
     /// Enters the balance of forces and the energies of a state; gives the energy that came from nowhere
@@ -83,10 +98,10 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    /// Fluid content of the pores above that at rest, m^D.
-    pub(super) fn stored(&self, state: &State) -> f64 {
+    /// Fluid content of the pores above that at rest, by pressure and by strain, m^D.
+    pub(super) fn stored(&self, state: &State) -> [f64; 2] {
         let Some(flow) = &self.model.flow else {
-            return 0.0;
+            return [0.0; 2];
         };
         let strain: f64 = match self.model.coupling {
             Some(_) => self
@@ -96,7 +111,7 @@ impl<const D: usize> Run<'_, D> {
                 .sum(),
             None => 0.0,
         };
-        flow.stored(&state.pressure) + strain
+        [flow.stored(&state.pressure), strain]
     }
 }
 
@@ -157,6 +172,16 @@ fn supply<const D: usize>(model: &Model<D>, state: &State, audit: Audit) -> Supp
         supply.fixed = fixed.collect();
     }
     supply
+}
+
+/// Σ |V s Δp| between two states, m^D.
+fn exchanged<const D: usize>(model: &Model<D>, from: &State, to: &State) -> f64 {
+    let capacity = model.flow.iter().flat_map(|flow| &flow.capacity);
+    let pairs = to.pressure.iter().zip(&from.pressure);
+    pairs
+        .zip(capacity)
+        .map(|((to, from), c)| (c * (to - from)).abs())
+        .sum()
 }
 
 /// What the pores hold under pressure and by strain, in absolute amounts, m^D.

@@ -268,19 +268,24 @@ impl<const D: usize> Run<'_, D> {
         trial: &State,
         dt: f64,
     ) -> Verdict {
-        let relative = |error| scale.relative(&self.model, error, &trial.pressure);
-        let growth = self.plan.damage.as_ref().and_then(|damage| {
-            let share = report.growth? / damage.largest_increment;
-            let most = if dt <= damage.shortest_step {
-                1.0
-            } else {
-                share
-            };
-            Some(share.min(most) * self.plan.time.tolerance)
-        });
+        let tolerance = self.plan.time.tolerance;
+        let error = report
+            .error
+            .map(|error| scale.relative(&self.model, error, &trial.pressure));
+        let Some((damage, growth)) = self.plan.damage.as_ref().zip(report.growth) else {
+            let growth = None;
+            return Verdict { error, growth };
+        };
+        let share = growth / damage.largest_increment;
+        // A crack that runs does so in steps of any length.
+        let most = match share > 1.0 && dt <= damage.shortest_step {
+            true => tolerance,
+            false => f64::INFINITY,
+        };
+        let capped = |value: f64| if value > most { most } else { value };
         Verdict {
-            error: report.error.map(relative),
-            growth,
+            error: error.map(capped),
+            growth: Some(capped(share * tolerance)),
         }
     }
 

@@ -122,7 +122,7 @@ fn coupled<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Sche
         SchemeChoice::Explicit => {
             let solid = Box::new(Relaxation::new(options));
             let name = SolidSolver::<D>::name(&*solid);
-            let passes = Staggered::pointwise(solid, parts, options);
+            let passes = Staggered::pointwise(solid, parts, options, true);
             Box::new(ForwardEuler::coupled(model, passes, name)?)
         }
         SchemeChoice::SemiImplicit(integrator) => {

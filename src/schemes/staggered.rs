@@ -38,9 +38,12 @@ pub struct Staggered<const D: usize> {
 /// How a pass finds the pressure.
 enum FlowPart {
     /// From one linear system.
-    System(ImplicitSystem),
+    System(Box<ImplicitSystem>),
     /// Point by point: what flows is known from the base.
-    Pointwise,
+    Pointwise {
+        /// Whether all steps pass once.
+        once: bool,
+    },
 }
 
 /// What the stages of a step found: the guess for the next one.
@@ -67,7 +70,7 @@ impl<const D: usize> Staggered<D> {
     ) -> Self {
         Self::new(
             "staggered",
-            FlowPart::System(flow),
+            FlowPart::System(Box::new(flow)),
             solid,
             parts,
             options,
@@ -87,19 +90,29 @@ impl<const D: usize> Staggered<D> {
             true => f64::INFINITY,
             false => FAIR.max(options.coupling_tolerance),
         };
-        let flow = FlowPart::System(flow);
+        let flow = FlowPart::System(Box::new(flow));
         Self::new("semi-implicit", flow, solid, parts, options, tolerance)
     }
 
-    /// The same without a linear system: what flows is that of the base.
+    /// The same without a linear system: what flows is that of the base. `once` makes all steps pass
+    /// once, whatever they disagree by.
     pub fn pointwise(
         solid: Box<dyn SolidSolver<D>>,
         parts: (&FlowModel<D>, &Coupling),
         options: SchemeOptions,
+        once: bool,
     ) -> Self {
         let tolerance = FAIR.max(options.coupling_tolerance);
-        let flow = FlowPart::Pointwise;
+        let flow = FlowPart::Pointwise { once };
         Self::new("explicit", flow, solid, parts, options, tolerance)
+    }
+
+    /// Brings `state` to the undrained answer to the loads at its time.
+    ///
+    /// # Errors
+    /// As [`undrained`].
+    pub fn undrain(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        undrained(model, &mut *self.solid, &self.options, state)
     }
 
     /// Replaces β V per point (m^D/Pa), which stands in for the strain of a pass to come, where the
@@ -163,7 +176,7 @@ impl<const D: usize> Staggered<D> {
             .collect();
         let mut pressure = match self.flow {
             FlowPart::System(_) => guess.pressure.clone(),
-            FlowPart::Pointwise => right
+            FlowPart::Pointwise { .. } => right
                 .iter()
                 .zip(&self.storage)
                 .map(|(r, s)| r / s)
@@ -217,9 +230,9 @@ impl<const D: usize> Staggered<D> {
         let held: f64 = base.iter().map(|c| c.abs()).sum();
         let rounding = ROUNDING * (held + model.level * self.storage.iter().sum::<f64>());
         let once = self.passes_once(target.slot);
-        let mut mixer = Mixer::new(match self.is_paper() {
-            true => Acceleration::None,
-            false => self.options.acceleration,
+        let mut mixer = Mixer::new(match self.flow {
+            FlowPart::Pointwise { .. } => Acceleration::None,
+            FlowPart::System(_) => self.options.acceleration,
         });
         let mut stagnation = Stagnation::new();
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
@@ -238,7 +251,8 @@ impl<const D: usize> Staggered<D> {
             report.passes += 1;
             report.residual = Some(left / scale.max(f64::MIN_POSITIVE));
             let stuck = stagnation.note(left);
-            if left <= self.allowed(stuck) * scale || once {
+            let enough = once || pass >= self.most_passes();
+            if left <= self.allowed(stuck) * scale || enough && left.is_finite() {
                 self.lags.trial[target.slot] = Some(Lag {
                     dt: target.dt,
                     found,
@@ -246,13 +260,13 @@ impl<const D: usize> Staggered<D> {
                 return Ok(state.since(target.base));
             }
             if left.is_nan() || left > GROWTH * first.max(scale) || stuck >= GIVEN_UP {
-                return self.diverged(model, target.time, pass, [left / scale, left / first]);
+                return self.diverged(model, target.time, pass, [left / scale; 2]);
             }
             (last, relative) = (left, left / scale);
             guess = mixer.next(guess, found, &self.storage);
         }
         let passes = self.options.coupling_iterations;
-        self.diverged(model, target.time, passes, [relative, last / first])
+        self.diverged(model, target.time, passes, [relative; 2])
     }
 
     /// Disagreement over its scale that is allowed after so many passes without progress: relaxation may leave
@@ -264,14 +278,28 @@ impl<const D: usize> Staggered<D> {
         }
     }
 
-    /// Whether the form of the paper is asked for, in which strain lags behind by a step.
-    fn is_paper(&self) -> bool {
-        matches!(self.flow, FlowPart::Pointwise) && self.options.relaxation <= 0.0
+    /// Passes after which the fields are taken as they are. Rough pressures have no strain, and every pass
+    /// takes a part of the split's storage off them, on which explicit steps live: few must do.
+    fn most_passes(&self) -> usize {
+        match self.flow {
+            FlowPart::Pointwise { .. } if !self.is_paper() => MOST_POINTWISE,
+            _ => usize::MAX,
+        }
     }
 
-    /// Whether one pass must do; the first step has nothing that lags and passes until fields agree.
+    /// Whether the form of the paper is asked for, in which strain lags behind by a step.
+    pub fn is_paper(&self) -> bool {
+        matches!(self.flow, FlowPart::Pointwise { .. }) && self.options.relaxation <= 0.0
+    }
+
+    /// Whether one pass must do. The first step in the form of the paper has nothing that lags and passes until
+    /// fields agree or are seen to diverge.
     fn passes_once(&self, slot: usize) -> bool {
-        self.is_paper() && self.lags.accepted[slot].is_some()
+        match self.flow {
+            _ if self.is_paper() => self.lags.accepted[slot].is_some(),
+            FlowPart::Pointwise { once } => once,
+            FlowPart::System(_) => false,
+        }
     }
 
     fn diverged(
@@ -325,12 +353,16 @@ impl<const D: usize> Staggered<D> {
             let strain = guess.content[i] - found.content[i];
             let pressure = self.split[i] * (guess.pressure[i] - found.pressure[i]);
             let held = FLOOR * base[i].abs() + found.pressure[i].abs();
-            total.0 += (strain - pressure).abs();
+            total.0 += match self.flow {
+                // Rough parts, which cancel, are the split's to damp.
+                FlowPart::Pointwise { .. } => strain - pressure,
+                FlowPart::System(_) => (strain - pressure).abs(),
+            };
             // What the split adds is no fluid: it may be many times what a fracture takes up.
             let stored = self.storage[i] - self.split[i];
             total.1 += right.abs() + found.content[i].abs() + stored * held;
         }
-        total
+        (total.0.abs(), total.1)
     }
 }
 
@@ -341,6 +373,8 @@ const STALLED: f64 = 1e-2;
 /// Passes without progress after which that holds, and after which passes are given up.
 const PATIENCE: usize = 4;
 const GIVEN_UP: usize = 30;
+/// Most passes of an explicit step: smooth modes contract by a half or better in each.
+const MOST_POINTWISE: usize = 12;
 /// Share of what the pores hold that counts in the scale: steps may be so small that their own
 /// changes drown in rounding errors.
 const FLOOR: f64 = 1e-3;
@@ -371,7 +405,7 @@ impl<const D: usize> Stage<D> for Staggered<D> {
             FlowPart::System(system) => {
                 Ok(system.prepare(flow_of(model)?, &self.storage, a, &[])?)
             }
-            FlowPart::Pointwise => Ok(()),
+            FlowPart::Pointwise { .. } => Ok(()),
         }
     }
 
@@ -418,7 +452,7 @@ impl<const D: usize> Stage<D> for Staggered<D> {
     ) -> Result<Vec<f64>, StepError> {
         match &mut self.flow {
             FlowPart::System(system) => Ok(system.filter(flow_of(model)?, &rhs, report)?),
-            FlowPart::Pointwise => {
+            FlowPart::Pointwise { .. } => {
                 let pairs = rhs.iter().zip(&self.storage);
                 Ok(pairs.map(|(r, s)| r / s).collect())
             }

@@ -49,7 +49,9 @@ pub fn undrained<const D: usize>(
             .zip(&guess.pressure)
             .map(|(n, o)| n - o)
             .collect();
-        let size = norm2(&pressure).max(ROUNDING / bar * model.level);
+        // Forces balance to a share of all forces, those of the pressure that is there included.
+        let whole = norm2(&pressure).max(norm2(&state.pressure));
+        let size = whole.max(ROUNDING / bar * model.level);
         relative = norm2(&change) / size.max(f64::MIN_POSITIVE);
         let found = Guess {
             pressure,

@@ -102,7 +102,11 @@ pub fn consistent_gradient<const D: usize>(
         add_correction(around, &natural, &lambda, axis, &mut corrected);
         wanted.push((natural, target));
     }
-    fall_back(around, &plain.weight, &mut corrected, &mut quality);
+    let free: Vec<Side> = Side::all(D)
+        .filter(|side| planes.one_sided[side.index()])
+        .collect();
+    let known = boundary_layer(around, &free);
+    fall_back(around, &plain.weight, &known, &mut corrected, &mut quality);
     for (axis, (natural, target)) in wanted.iter().enumerate() {
         let after = component_sums(around, natural, &corrected, axis);
         let left: Vec<f64> = after.iter().zip(target).map(|(s, t)| s - t).collect();
@@ -163,21 +167,24 @@ fn add_correction<const D: usize>(
 const ONE_SIDED: f64 = 0.3;
 
 /// Gives the plain weights back to one-sided families whose correction exceeds them: what was to be
-/// corrected there is a free surface that was not found. Generated clouds fill their domain and have none.
+/// corrected there is a free surface that was not found. Generated clouds fill their domain and have none, and
+/// families beside free sides, which are `known`, are one-sided by right.
 fn fall_back<const D: usize>(
     around: &Neighbourhood<D>,
     plain: &[Vector<D>],
+    known: &[bool],
     corrected: &mut [Vector<D>],
     quality: &mut Consistency,
 ) {
     let norm = |weights: &mut dyn Iterator<Item = Vector<D>>| -> f64 {
         weights.map(|w| w.norm_squared()).sum::<f64>().sqrt()
     };
-    for owner in 0..around.len() {
+    for (owner, known) in known.iter().enumerate() {
         let family = around.families.family(owner);
         let change = norm(&mut family.clone().map(|b| corrected[b] - plain[b]));
         let ratio = change / norm(&mut family.clone().map(|b| plain[b]));
-        if ratio > 1.0 && !around.cloud.filled && one_sidedness(around, owner) > ONE_SIDED {
+        let suspect = !around.cloud.filled && !known;
+        if ratio > 1.0 && suspect && one_sidedness(around, owner) > ONE_SIDED {
             corrected[family.clone()].copy_from_slice(&plain[family]);
             if around.families.share.owns(owner) {
                 quality.plain_families += 1;

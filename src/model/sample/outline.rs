@@ -100,7 +100,7 @@ impl<const D: usize> CloudOutline<D> {
         };
         Some(Self {
             count: along.iter().product(),
-            irregular: finest != [1.0, 1.0]
+            irregular: finest.iter().any(|share| (share - 1.0).abs() > 1e-12)
                 || matches!(geometry, GeometryPlan::Lattice { jitter, .. } if *jitter > 0.0),
             along,
             origin,

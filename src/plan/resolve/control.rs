@@ -78,9 +78,21 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
     }
 }
 
-pub(super) fn audit(audit: &scene::Audit) -> AuditPlan {
+/// Fluid that may be lost or made, where no limit is given.
+const MASS: f64 = 1e-2;
+/// The same where strain lags by a step: what a step owes the next one repays. Terzaghi's column owes 24 % of what
+/// has moved in the first step, 6 % in the fifth and 0.3 % in the 74th, when its pressure is good to 0.3 %.
+const MASS_WITH_LAG: f64 = 0.3;
+
+pub(super) fn audit(scene: &scene::Scene) -> AuditPlan {
+    let audit = &scene.audit;
+    let explicit = scene.scheme.name.value == scene::SchemeName::Explicit;
+    let usual = match explicit && scene.coupling.is_some() {
+        true => MASS_WITH_LAG,
+        false => MASS,
+    };
     AuditPlan {
-        mass: audit.mass.value(),
+        mass: audit.mass.map_or(usual, |limit| limit.value()),
         momentum: audit.momentum.value(),
         energy: audit.energy.value(),
     }

@@ -92,7 +92,7 @@ impl Resolver<'_> {
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),
             solver: solver?,
-            audit: control::audit(&scene.audit),
+            audit: control::audit(scene),
             output,
             reference: scene.reference.as_deref().map(control::reference_plan),
             warnings: Vec::new(),

@@ -74,16 +74,14 @@ fn outputs(scene: &Scene, output: &mut OutputPlan, end: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::float_cmp)]
-    use crate::cases;
     use crate::plan::{Plan, StepRule, resolve};
-    use crate::scene::load_layers;
+    use crate::scene::load_file;
 
     fn planned(case: &str, variant: Option<&str>, sets: &[&str]) -> Plan {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-        let layers = cases::find(case).unwrap().layers(variant).unwrap();
-        let layers: Vec<(&str, &str)> =
-            layers.iter().map(|(name, text)| (&**name, *text)).collect();
-        let loaded = load_layers(&layers, std::path::Path::new(""), &sets).unwrap();
+        let file = format!("cases/{case}/{}.toml", variant.unwrap_or("scene"));
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        let loaded = load_file(&path, &sets).unwrap();
         resolve(&loaded, case).unwrap()
     }
 

@@ -56,7 +56,10 @@ impl<const D: usize> LaggedFracture<D> {
         let motion = SolidSolver::<D>::name(&*solid);
         let explicit = plan.scheme == SchemeChoice::Explicit;
         let (integrator, passes) = match explicit {
-            true => ("forward-euler", Staggered::pointwise(solid, parts, options)),
+            true => (
+                "forward-euler",
+                Staggered::pointwise(solid, parts, options, false),
+            ),
             false => {
                 let system = ImplicitSystem::new(&plan.stage_demand(), parts.0)?;
                 let passes = Staggered::lagged(system, solid, parts, options);
@@ -124,8 +127,10 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
-        let mut report = StepReport::default();
-        report.iterations = self.follow(model, old)?;
+        let mut report = StepReport {
+            iterations: self.follow(model, old)?,
+            ..StepReport::default()
+        };
         let end = old.time + dt;
         let (from, length) = match self.explicit {
             true => (old.time, 0.0),
