@@ -222,7 +222,7 @@ mod tests {
             let near = voids.within(x, edge);
             assert!(!near || gap < 2.5 * edge, "{x} is {gap} away");
             // Points that moved by 0.3 leave a void that begins so much later.
-            assert!(near || gap > 1.2 * edge, "{x} is {gap} away ({i})");
+            assert!(near || gap > 1.1 * edge, "{x} is {gap} away ({i})");
         }
     }
 

@@ -57,7 +57,7 @@ pub struct Balance {
     pub work: Option<f64>,
     /// Energy from nowhere over all that was supplied or stored so far. With inertia
     /// |kinetic + elastic energy − work − both at the start| over the largest energy so far; not measured where
-    /// fluid flows in fractures, whose storage changes with what breaks.
+    /// rock breaks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_error: Option<f64>,
 }

@@ -90,7 +90,8 @@ impl<const D: usize> Run<'_, D> {
             Some(now) => balance.balance_motion(now),
             None => {
                 balance.balance_forces(audit.unbalanced, audit.forces);
-                match self.plan.fracture_flow {
+                // What breaks at once takes more than the trapezoidal rule knows of.
+                match self.plan.damage {
                     None => balance.balance_supply(supply(&self.model, state, audit)),
                     Some(_) => 0.0,
                 }

@@ -244,7 +244,7 @@ impl<const D: usize> Run<'_, D> {
         let exact = self.everywhere(1, |x, values| values[0] = exact.pressure(x, time));
         let pressure = &self.state.pressure;
         if let Ok(norms) = ErrorNorms::compare(pressure, &exact, &cloud.volume, &excluded) {
-            errors.insert("pressure", norms.into());
+            errors.insert("pressure", FieldError::of(&norms, self.model.level));
         }
         if let (Ok(Some(exact)), Some(_)) = (exact_displacement(self.plan), &self.model.solid) {
             errors.extend(

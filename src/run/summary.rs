@@ -177,6 +177,26 @@ pub struct FieldError {
     pub excluded: usize,
 }
 
+/// Range of an exact field, relative to the level of the data, below which it is as good as constant.
+const CONSTANT: f64 = 1e-9;
+
+impl FieldError {
+    /// Error of a field in a problem whose data have the given level, which is the scale where the range of the
+    /// exact field vanishes.
+    pub fn of(norms: &ErrorNorms, level: f64) -> Self {
+        let usual = FieldError::from(*norms);
+        match norms.range < CONSTANT * level {
+            false => usual,
+            true => FieldError {
+                l2: norms.l2 / level,
+                l2_over_norm: norms.l2 / level,
+                max: norms.max / level,
+                ..usual
+            },
+        }
+    }
+}
+
 impl From<ErrorNorms> for FieldError {
     fn from(norms: ErrorNorms) -> Self {
         FieldError {

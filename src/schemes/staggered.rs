@@ -231,8 +231,8 @@ impl<const D: usize> Staggered<D> {
         let rounding = ROUNDING * (held + model.level * self.storage.iter().sum::<f64>());
         let once = self.passes_once(target.slot);
         let mut mixer = Mixer::new(match self.flow {
-            FlowPart::Pointwise { .. } => Acceleration::None,
-            FlowPart::System(_) => self.options.acceleration,
+            FlowPart::Pointwise { once: true } => Acceleration::None,
+            _ => self.options.acceleration,
         });
         let mut stagnation = Stagnation::new();
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
@@ -251,8 +251,7 @@ impl<const D: usize> Staggered<D> {
             report.passes += 1;
             report.residual = Some(left / scale.max(f64::MIN_POSITIVE));
             let stuck = stagnation.note(left);
-            let enough = once || pass >= self.most_passes();
-            if left <= self.allowed(stuck) * scale || enough && left.is_finite() {
+            if left <= self.allowed(stuck) * scale || once && left.is_finite() {
                 self.lags.trial[target.slot] = Some(Lag {
                     dt: target.dt,
                     found,
@@ -275,15 +274,6 @@ impl<const D: usize> Staggered<D> {
         match self.tolerance >= FAIR && stuck >= PATIENCE {
             true => self.tolerance.max(STALLED),
             false => self.tolerance,
-        }
-    }
-
-    /// Passes after which the fields are taken as they are. Rough pressures have no strain, and every pass
-    /// takes a part of the split's storage off them, on which explicit steps live: few must do.
-    fn most_passes(&self) -> usize {
-        match self.flow {
-            FlowPart::Pointwise { .. } if !self.is_paper() => MOST_POINTWISE,
-            _ => usize::MAX,
         }
     }
 
@@ -353,16 +343,12 @@ impl<const D: usize> Staggered<D> {
             let strain = guess.content[i] - found.content[i];
             let pressure = self.split[i] * (guess.pressure[i] - found.pressure[i]);
             let held = FLOOR * base[i].abs() + found.pressure[i].abs();
-            total.0 += match self.flow {
-                // Rough parts, which cancel, are the split's to damp.
-                FlowPart::Pointwise { .. } => strain - pressure,
-                FlowPart::System(_) => (strain - pressure).abs(),
-            };
+            total.0 += (strain - pressure).abs();
             // What the split adds is no fluid: it may be many times what a fracture takes up.
             let stored = self.storage[i] - self.split[i];
             total.1 += right.abs() + found.content[i].abs() + stored * held;
         }
-        (total.0.abs(), total.1)
+        total
     }
 }
 
@@ -373,8 +359,6 @@ const STALLED: f64 = 1e-2;
 /// Passes without progress after which that holds, and after which passes are given up.
 const PATIENCE: usize = 4;
 const GIVEN_UP: usize = 30;
-/// Most passes of an explicit step: smooth modes contract by a half or better in each.
-const MOST_POINTWISE: usize = 12;
 /// Share of what the pores hold that counts in the scale: steps may be so small that their own
 /// changes drown in rounding errors.
 const FLOOR: f64 = 1e-3;

@@ -85,7 +85,7 @@ fn schemes_refuse_what_they_cannot_run_with_a_reason() {
     let stabilised = arguments("footing", &["--scheme", "explicit"]);
     let outcome = place.run(&stabilised);
     assert_eq!(outcome.code, Some(3), "{outcome:?}");
-    let reason = "coupling.stabilisation needs a linear system";
+    let reason = "`stabilisation` needs a linear system";
     assert!(outcome.stderr.contains(reason), "{}", outcome.stderr);
     let wrong = arguments(
         "terzaghi",

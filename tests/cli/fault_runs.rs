@@ -212,7 +212,7 @@ error: steady: no steady state: the part of the domain around point 0 is sealed,
             code: 4,
             stderr: r#"
 warning: Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s: the run will be unstable
-error: explicit (forward-euler): explicit step unstable at t = 1.250000e1 s: the imbalance grew 1.1e1 times; Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s; use a smaller time.step, leave it out, or use --scheme implicit; the output at t = 0.000000e0 s is kept
+error: explicit (forward-euler): explicit step unstable at t = 5.000000e0 s: the imbalance grew 1.6e0 times; Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s; use a smaller time.step, leave it out, or use --scheme implicit; the output at t = 0.000000e0 s is kept
 "#,
             ..FAULT
         },

@@ -15,7 +15,6 @@ mod folders;
 mod interrupt;
 mod limits;
 mod listings;
-mod mutations;
 mod processes;
 mod repeats;
 mod runs;

@@ -22,7 +22,7 @@ fn pulse(overrides: &[&str]) -> Summary {
 fn explicit_steps_beyond_the_limit_end_by_name_whatever_loads_do() {
     let pressure_in_time = "flow.boundary.left.pressure={time=[0,100,200,300],value=[0,0,1e6,0]}";
     let late_flux = "flow.boundary.left={flux={time=[0,50,51],value=[0,0,1e-6]}}";
-    let held = "flow.pressure_regions=[{region={type=\"box\",min=[0.4,0.4],max=[0.6,0.6]},\
+    let held = "flow.regions=[{region={type=\"box\",min=[0.4,0.4],max=[0.6,0.6]},\
                 pressure={time=[0,40,60],value=[0,0,1e6]}}]";
     for load in [pressure_in_time, late_flux, held] {
         let explicit = [

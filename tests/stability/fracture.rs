@@ -169,6 +169,7 @@ fn a_crack_that_grows_takes_few_passes_a_step() {
         "materials.rock.fracture_energy=20",
         "cracks.main.injection={rate = \"3e-3 m^2/s\", at = [0, 0.48]}",
         "time.end=0.2",
+        "time.tolerance=0.1",
     ];
     let plan = plan_of_variant("natural-fractures", "smoke", &quick);
     let (summary, state) = try_run(&plan).unwrap();
