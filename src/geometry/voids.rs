@@ -237,7 +237,5 @@ mod tests {
         }
         let slot = |x: &Vector<2>| x[0] < 0.6 && (x[1] - 0.5).abs() < 0.05;
         finds(&jittered::<2>(40, 0.0, 3), slot, 0.025);
-        let ball = |x: &Vector<3>| x.norm() < 0.4;
-        finds(&jittered::<3>(14, 0.0, 3), ball, 1.0 / 14.0);
     }
 }
