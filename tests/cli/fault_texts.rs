@@ -83,7 +83,7 @@ error: the scene file `scene.toml` is not UTF-8 text (line 2)
             files: &[("folder.toml/scene.toml", b"")],
             arguments: &["run", "folder.toml"],
             stderr: r#"
-error: `folder.toml` is a folder, not a scene file
+error: the scene file `folder.toml` is a folder, not a scene file
 --> folder.toml
  = help: name the scene file in it, such as scene.toml
 "#,
