@@ -10,7 +10,7 @@ mod uniform_flow;
 
 pub use consistency::{
     Consistency, ConsistencyError, Planes, boundary_layer, consistent_gradient, natural_extension,
-    surface_layer,
+    side_layer, surface_layer,
 };
 pub use elastic::{Moduli, fill_rows, fill_stiffness};
 pub use operator::ScalarOperator;

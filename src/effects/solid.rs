@@ -3,7 +3,7 @@
 use super::cracks::crack_pressures;
 use super::side_area::acting_area;
 use super::{Counted, Effect, EffectError, vector};
-use crate::assembly::{Planes, boundary_layer, natural_extension};
+use crate::assembly::{Planes, natural_extension, side_layer};
 use crate::geometry::{Matrix, Side, Vector};
 use crate::load::Load;
 use crate::operators::{Elastic, column_sums, face_areas};
@@ -96,19 +96,9 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
     });
     // Faces of cracks near the side are no part of it.
     let faces = face_areas(around, 0..u16::MAX, |_, image| natural.sign(image));
-    let domain = &around.cloud.domain;
-    let opposite = Side {
-        axis: side.axis,
-        upper: !side.upper,
-    };
-    let layer = boundary_layer(around, &[side]);
-    let near = |point: usize| {
-        let x = around.cloud.position[point][side.axis];
-        let gap = |side: Side| (x - domain.plane(side)).abs();
-        layer[point] && gap(side) < gap(opposite)
-    };
+    let near = side_layer(around, side);
     let face = |point: usize| faces.as_ref().map_or(0.0, |faces| faces[point][side.axis]);
-    let area = |(point, sum): (usize, &Vector<D>)| match near(point) {
+    let area = |(point, sum): (usize, &Vector<D>)| match near[point] {
         true => side.outward() * (sum[side.axis] - face(point)),
         false => 0.0,
     };

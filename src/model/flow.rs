@@ -258,6 +258,12 @@ impl<const D: usize> FlowModel<D> {
         &self.operator.neighbourhood().families.share
     }
 
+    /// Σ_j |L_ij|, about twice what a point exchanges for every pascal, m^D/(Pa s).
+    pub fn exchange_rate(&self, point: usize) -> f64 {
+        let row = &self.conductance[self.pattern.row(point)];
+        row.iter().map(|value| value.abs()).sum()
+    }
+
     /// Takes what the stabilising storage holds at `pressure` off every entry, m^D.
     pub fn subtract_stabilisation(&self, pressure: &[f64], result: &mut [f64]) {
         if self.stabilisation.is_empty() {

@@ -155,6 +155,22 @@ pub enum StepError {
         /// Iterations done.
         iterations: usize,
     },
+    /// Forces balance, but what the pores took up is not what the strain says.
+    #[error(
+        "pressure and strain do not agree in the fractures at t = {time:.6e} s: strain owes {owed:.1e} of the \
+         fluid taken up after {iterations} passes of the run, allowed {allowed:.1e}; take smaller steps, or use \
+         --scheme monolithic"
+    )]
+    Owed {
+        /// Time, s.
+        time: f64,
+        /// Smallest share that strain owed while forces balanced.
+        owed: f64,
+        /// The one allowed.
+        allowed: f64,
+        /// Passes done.
+        iterations: usize,
+    },
     /// Damage grows too much in a step that may be cut.
     #[error(
         "damage grows by more than {most} within the step to t = {time:.6e} s, and the step cannot be cut \
@@ -267,6 +283,21 @@ pub enum StepError {
         /// What is allowed.
         limit: f64,
     },
+    /// Strain that lags has left swings of the pressure that did not wear off.
+    #[error(
+        "strain that lags behind the pressure leaves {found:.1e} of the range of the pressure unsettled at \
+         t = {time:.6e} s, more than audit.lag = {limit:.1e} allows: pressures that no strain answers swing until \
+         the storage of the rock has worn them down; take many more steps (time.safety, time.step), or use \
+         --scheme semi-implicit"
+    )]
+    Unsettled {
+        /// Time, s.
+        time: f64,
+        /// Root mean square over the range.
+        found: f64,
+        /// What is allowed.
+        limit: f64,
+    },
     /// Steps have become too small to get anywhere.
     #[error(
         "the step fell to {dt:.3e} s at t = {time:.6e} s without meeting the tolerance; raise \
@@ -313,11 +344,13 @@ impl StepError {
             | StepError::NotRelaxed { .. } => Rejection::Solver,
             StepError::Runs { .. } => Rejection::Growth,
             StepError::NotBroken { .. }
+            | StepError::Owed { .. }
             | StepError::CouplingDiverged { .. }
             | StepError::CouplingUnstable { .. }
             | StepError::FractureUnstable { .. } => Rejection::Coupling,
             StepError::NoEquilibrium { .. }
             | StepError::Unbalanced { .. }
+            | StepError::Unsettled { .. }
             | StepError::LoosePlate
             | StepError::NoSteadyState { .. } => Rejection::Balance,
             StepError::NotFinite { .. }

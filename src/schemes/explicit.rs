@@ -6,7 +6,8 @@
 //! first. β = 0 is the paper's form, which diverges where τ = α²/(s(λ+2μ)) > 1.
 //!
 //! More passes a step would lose less fluid, but rough pressures have no strain, and every pass takes a part
-//! of the split's storage off them, on which explicit steps live: Terzaghi's column then has negative pressures.
+//! of the split's storage off them, on which explicit steps live: with up to twelve, Terzaghi's column at 0.25 m
+//! was 4.5 % off after 20 s, with one 0.3 %.
 
 use perifrac_solvers::norm2;
 use rayon::prelude::*;

@@ -62,10 +62,7 @@ fn at<const D: usize>(flow: &FlowModel<D>, point: usize, largest: f64) -> StepLi
 
 /// Gershgorin's bound: the point with the largest Σ|L_ij|/C_i, and that value.
 fn fastest_exchange<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> (usize, f64) {
-    let rate = |point: usize| {
-        let row = &flow.conductance[flow.pattern.row(point)];
-        row.iter().map(|value| value.abs()).sum::<f64>() / storage[point]
-    };
+    let rate = |point: usize| flow.exchange_rate(point) / storage[point];
     let rates = (0..flow.points()).map(|point| (point, rate(point)));
     rates.fold(
         (0, 0.0),

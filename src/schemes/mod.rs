@@ -64,6 +64,8 @@ pub struct StepReport {
     pub residual: Option<f64>,
     /// Estimated root mean square error of the step, Pa; `None` for a scheme without an estimate.
     pub error: Option<f64>,
+    /// Root mean square of the pressure that strain which lags leaves unsettled, Pa; `None` where none lags.
+    pub unsettled: Option<f64>,
     /// Volumes moved during the step.
     pub flows: Flows,
     /// Largest growth of damage at a point; `None` without damage.

@@ -41,7 +41,7 @@ enum FlowPart {
     System(Box<ImplicitSystem>),
     /// Point by point: what flows is known from the base.
     Pointwise {
-        /// Whether all steps pass once.
+        /// Whether all steps but the first pass once.
         once: bool,
     },
 }
@@ -94,8 +94,7 @@ impl<const D: usize> Staggered<D> {
         Self::new("semi-implicit", flow, solid, parts, options, tolerance)
     }
 
-    /// The same without a linear system: what flows is that of the base. `once` makes all steps pass
-    /// once, whatever they disagree by.
+    /// Without a linear system: what flows is that of the base. With `once` all steps but the first pass once.
     pub fn pointwise(
         solid: Box<dyn SolidSolver<D>>,
         parts: (&FlowModel<D>, &Coupling),
@@ -230,10 +229,7 @@ impl<const D: usize> Staggered<D> {
         let held: f64 = base.iter().map(|c| c.abs()).sum();
         let rounding = ROUNDING * (held + model.level * self.storage.iter().sum::<f64>());
         let once = self.passes_once(target.slot);
-        let mut mixer = Mixer::new(match self.flow {
-            FlowPart::Pointwise { once: true } => Acceleration::None,
-            _ => self.options.acceleration,
-        });
+        let mut mixer = Mixer::new(self.options.acceleration);
         let mut stagnation = Stagnation::new();
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
         for pass in 1..=self.options.coupling_iterations {
@@ -251,6 +247,9 @@ impl<const D: usize> Staggered<D> {
             report.passes += 1;
             report.residual = Some(left / scale.max(f64::MIN_POSITIVE));
             let stuck = stagnation.note(left);
+            if once {
+                report.unsettled = Some(self.unsettled(model, target.dt, (&guess, &found))?);
+            }
             if left <= self.allowed(stuck) * scale || once && left.is_finite() {
                 self.lags.trial[target.slot] = Some(Lag {
                     dt: target.dt,
@@ -268,6 +267,33 @@ impl<const D: usize> Staggered<D> {
         self.diverged(model, target.time, passes, [relative; 2])
     }
 
+    /// Root mean square of the pressure that one pass leaves unsettled, Pa: fluid that strain owes its point, over
+    /// what pores and exchange would take off it in the step for every pascal.
+    ///
+    /// Pressures so rough that no strain answers them are stored by the split alone and swing about what is right,
+    /// at the speed of exchange and whatever the step, until the storage of the rock has worn them down: what
+    /// strain owes them is all that flows.
+    fn unsettled(
+        &self,
+        model: &Model<D>,
+        dt: f64,
+        (guess, found): (&Guess, &Guess),
+    ) -> Result<f64, StepError> {
+        let flow = flow_of(model)?;
+        let volume = &flow.operator.neighbourhood().cloud.volume;
+        let pressure = |i: usize| {
+            let strain = found.content[i] - guess.content[i];
+            let owed = strain - self.split[i] * (found.pressure[i] - guess.pressure[i]);
+            let taken = dt * flow.exchange_rate(i) + flow.capacity[i];
+            match self.is_fixed[i] || taken <= 0.0 {
+                true => 0.0,
+                false => owed / taken,
+            }
+        };
+        let squares = (0..volume.len()).map(|i| volume[i] * pressure(i).powi(2));
+        Ok((squares.sum::<f64>() / volume.iter().sum::<f64>()).sqrt())
+    }
+
     /// Disagreement over its scale that is allowed after so many passes without progress: relaxation may leave
     /// more than what passes are to agree to, and then more of them change nothing.
     fn allowed(&self, stuck: usize) -> f64 {
@@ -282,14 +308,11 @@ impl<const D: usize> Staggered<D> {
         matches!(self.flow, FlowPart::Pointwise { .. }) && self.options.relaxation <= 0.0
     }
 
-    /// Whether one pass must do. The first step in the form of the paper has nothing that lags and passes until
-    /// fields agree or are seen to diverge.
+    /// Whether one pass must do. The first step has no strain that lags, and passes until fields agree or are
+    /// seen to diverge.
     fn passes_once(&self, slot: usize) -> bool {
-        match self.flow {
-            _ if self.is_paper() => self.lags.accepted[slot].is_some(),
-            FlowPart::Pointwise { once } => once,
-            FlowPart::System(_) => false,
-        }
+        let once = matches!(self.flow, FlowPart::Pointwise { once: true });
+        (once || self.is_paper()) && self.lags.accepted[slot].is_some()
     }
 
     fn diverged(

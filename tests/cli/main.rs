@@ -15,6 +15,7 @@ mod folders;
 mod interrupt;
 mod limits;
 mod listings;
+mod mutations;
 mod processes;
 mod repeats;
 mod runs;

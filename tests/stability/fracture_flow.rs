@@ -58,6 +58,8 @@ fn passes_that_run_in_circles_are_shortened_until_they_meet() {
                 "time.end=0.2",
                 "time.first_step=0.02",
                 "time.max_step=0.2",
+                // Steps as large as these are what it takes.
+                "time.tolerance=3e-2",
                 scheme,
             ],
         );
@@ -86,10 +88,10 @@ fn lagging_schemes_come_to_the_monolithic_pressure_as_steps_shrink() {
             (apart(&found, &exact), found.0.balance.mass)
         });
         assert!(
-            coarse.0 < 0.2 && fine.0 < 0.05,
+            coarse.0 < 0.05 && fine.0 < 0.02,
             "{scheme}: {coarse:?} {fine:?}"
         );
-        // Fluid that lags is within the hundredth that stalled passes may leave.
+        // What passes leave, a thousandth of the fluid in each step, does not shrink with the step.
         assert!(
             fine.0 < 0.6 * coarse.0 && fine.1 < 1e-2,
             "{scheme}: {coarse:?} {fine:?}"
@@ -124,12 +126,12 @@ fn explicit_steps_keep_below_a_limit_that_falls_as_the_crack_opens() {
         ];
         try_run(&pumped(&[&short[..], &[end]].concat())).unwrap()
     };
-    let (early, _) = run("time.end=0.02");
-    let (late, state) = run("time.end=0.05");
+    let (early, _) = run("time.end=0.004");
+    let (late, state) = run("time.end=0.01");
     let [first, last] = [&early, &late].map(|summary| summary.limit.as_ref().unwrap().dt);
     assert!(last < first, "{first} {last}");
     assert!(extremes(&state.pressure).1.is_finite());
-    assert!(late.steps as f64 > 0.05 / first, "{} steps", late.steps);
+    assert!(late.steps as f64 > 0.01 / first, "{} steps", late.steps);
 }
 
 /// The pressure in a crack rises and falls: what opened closes again, and nothing heals.

@@ -181,8 +181,9 @@ fn graded_clouds_from_files_keep_their_patch_test() {
     for (name, points) in [("blocks", blocks()), ("jittered", lattice(40, 0.2))] {
         let (summary, stress, _) = stresses(&read(PULLED, &points, &[]));
         let worst = stress.iter().map(|s| (s - 1.0).abs()).fold(0.0, f64::max);
-        assert!(worst < 1e-10, "{name}: {worst:.1e}");
-        assert_eq!(summary.consistency.unwrap().surface_points, 0);
+        let quality = summary.consistency.unwrap();
+        assert!(worst < 1e-10, "{name}: {worst:.1e} {quality:?}");
+        assert_eq!(quality.surface_points, 0);
         let (_, velocity, _) = velocities(&read(FLOODED, &points, &[]));
         let worst = velocity.iter().map(|v| (v - 1.0).abs()).fold(0.0, f64::max);
         assert!(worst < 1e-10, "{name}: {worst:.1e}");

@@ -21,7 +21,7 @@ use std::sync::Arc;
 use perifrac_solvers::{SolveError, SpecError};
 
 pub use planes::{Planes, natural_extension};
-pub use targets::{boundary_layer, surface_layer};
+pub use targets::{boundary_layer, side_layer, surface_layer};
 
 use super::{Pattern, PatternError};
 use crate::geometry::{Side, Vector, Voids};
@@ -94,7 +94,8 @@ pub fn consistent_gradient<const D: usize>(
         let normal = |side: &Side| side.axis == axis && planes.one_sided[side.index()];
         let sides: Vec<Side> = Side::all(D).filter(normal).collect();
         let layer = targets::layer(around, &sides, &voids);
-        let target = targets::targets(&unseen, &layer, &sums);
+        let totals = targets::totals(around, &sides, &voids);
+        let target = targets::targets(&unseen, &totals, &layer, &sums);
         let rhs: Vec<f64> = target.iter().zip(&sums).map(|(t, s)| t - s).collect();
         quality.before = quality.before.max(relative(around, &rhs));
         let shift = multipliers::shift(unseen.is_empty());

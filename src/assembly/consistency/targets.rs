@@ -62,38 +62,91 @@ fn feeling<const D: usize>(
     layer.into_iter().map(|own| own > 0.5).collect()
 }
 
-/// Column sums wanted: zero inside, the layer's own at one-sided planes, adjusted so that the
-/// divergence theorem holds for the functions in `basis`, every linear one that the planes allow.
-pub(super) fn targets(basis: &[Vec<f64>], layer: &[bool], sums: &[f64]) -> Vec<f64> {
+/// What the targets of some points shall add up to.
+pub(super) struct Total {
+    /// One for the points that count, zero for the others.
+    pub member: Vec<f64>,
+    /// Area, m^(D−1), positive along the axis.
+    pub area: f64,
+}
+
+/// Gap between the sum of all volumes and the volume of the domain, in spacings on a side, up to which the layer
+/// at the side can present its whole area: beyond, the layer would have to lie elsewhere than its points.
+const FITS: f64 = 0.1;
+
+/// The areas that one-sided `sides` present, where cells fill the domain and no crack has faces there.
+pub(super) fn totals<const D: usize>(
+    around: &Neighbourhood<D>,
+    sides: &[Side],
+    voids: &Voids<D>,
+) -> Vec<Total> {
+    let cloud = &around.cloud;
+    let volume: f64 = cloud.volume.iter().sum();
+    let spacing = (volume / cloud.len() as f64).powf(1.0 / D as f64);
+    let excess = (volume - cloud.domain.size().product()).abs();
+    let fits = |side: &Side| excess <= FITS * cloud.domain.area(*side) * spacing;
+    if !voids.is_empty() || around.families.severed.is_some() {
+        return Vec::new();
+    }
+    let of = |side: &Side| Total {
+        member: side_layer(around, *side)
+            .into_iter()
+            .map(|own| f64::from(u8::from(own)))
+            .collect(),
+        area: side.outward() * cloud.domain.area(*side),
+    };
+    sides.iter().filter(|side| fits(side)).map(of).collect()
+}
+
+/// Points whose column sums feel a side, and are nearer to it than to the opposite one.
+pub fn side_layer<const D: usize>(around: &Neighbourhood<D>, side: Side) -> Vec<bool> {
+    let domain = &around.cloud.domain;
+    let opposite = Side {
+        axis: side.axis,
+        upper: !side.upper,
+    };
+    let near = |(point, felt): (usize, bool)| {
+        let x = around.cloud.position[point][side.axis];
+        felt && (x - domain.plane(side)).abs() < (x - domain.plane(opposite)).abs()
+    };
+    let layer = boundary_layer(around, &[side]);
+    layer.into_iter().enumerate().map(near).collect()
+}
+
+/// Column sums wanted: zero inside, the layer's own at one-sided planes, adjusted so that the divergence theorem
+/// holds for the functions in `basis`, every linear one that the planes allow, and that sides present their
+/// `totals`.
+pub(super) fn targets(
+    basis: &[Vec<f64>],
+    totals: &[Total],
+    layer: &[bool],
+    sums: &[f64],
+) -> Vec<f64> {
     let mut target: Vec<f64> = sums
         .iter()
         .zip(layer)
         .map(|(sum, layer)| if *layer { *sum } else { 0.0 })
         .collect();
-    if basis.is_empty() {
+    let dot = |f: &[f64], g: &[f64]| -> f64 { f.iter().zip(g).map(|(f, g)| f * g).sum() };
+    let by_theorem = basis.iter().map(|f| (f, dot(f, sums)));
+    let by_area = totals.iter().map(|total| (&total.member, total.area));
+    let wanted: Vec<(&Vec<f64>, f64)> = by_theorem.chain(by_area).collect();
+    if wanted.is_empty() {
         return target;
     }
-    let size = basis.len();
     let weight: Vec<f64> = target.iter().map(|t| t.abs()).collect();
     let weighted = |f: &[f64], g: &[f64]| -> f64 {
-        weight
-            .iter()
-            .zip(f)
-            .zip(g)
-            .map(|((w, f), g)| w * f * g)
-            .sum()
+        let pairs = f.iter().zip(g);
+        weight.iter().zip(pairs).map(|(w, (f, g))| w * f * g).sum()
     };
-    let matrix = DMatrix::from_fn(size, size, |a, b| weighted(&basis[a], &basis[b]));
-    let rhs = DVector::from_fn(size, |a, _| {
-        basis[a]
-            .iter()
-            .zip(sums.iter().zip(&target))
-            .map(|(f, (s, t))| f * (s - t))
-            .sum()
-    });
-    if let Some(solution) = matrix.lu().solve(&rhs) {
-        for (function, &amount) in basis.iter().zip(solution.iter()) {
-            for ((t, w), f) in target.iter_mut().zip(&weight).zip(function) {
+    let size = wanted.len();
+    let matrix = DMatrix::from_fn(size, size, |a, b| weighted(wanted[a].0, wanted[b].0));
+    let rhs = DVector::from_fn(size, |a, _| wanted[a].1 - dot(wanted[a].0, &target));
+    // Sides that face each other make the constant function twice.
+    let bound = f64::EPSILON * matrix.amax();
+    if let Ok(solution) = matrix.svd(true, true).solve(&rhs, 1e3 * bound) {
+        for ((function, _), &amount) in wanted.iter().zip(solution.iter()) {
+            for ((t, w), f) in target.iter_mut().zip(&weight).zip(*function) {
                 *t += amount * w * f;
             }
         }

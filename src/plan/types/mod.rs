@@ -318,6 +318,8 @@ pub struct AuditPlan {
     pub momentum: f64,
     /// Energy that comes from nowhere over all that was supplied or stored.
     pub energy: f64,
+    /// Pressure that strain which lags leaves unsettled in an output, over the range of the pressure.
+    pub lag: f64,
 }
 
 /// What to write.

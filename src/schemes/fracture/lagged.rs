@@ -157,11 +157,7 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         close(model, old, trial, (dt, at), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);
-        let [now, last] = &mut self.rates;
-        now.take(old, trial, dt);
-        if !self.explicit {
-            report.error = last.error(now, &model.cloud.volume);
-        }
+        report.error = Rates::judge(&mut self.rates, model, (old, trial), dt)?;
         Ok(report)
     }
 

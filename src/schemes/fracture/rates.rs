@@ -1,6 +1,7 @@
 //! How fast fields changed in a step: where the next one starts, and how far backward Euler is off.
 
-use crate::schemes::State;
+use crate::model::Model;
+use crate::schemes::{State, StepError, flow_of};
 
 /// How fast a step of `dt` seconds went.
 #[derive(Debug, Clone, Default)]
@@ -13,8 +14,27 @@ pub(super) struct Rates {
 }
 
 impl Rates {
+    /// Error of the step of `dt` seconds from one state to the other, whose rates become the first of `both`;
+    /// the second are those of the last accepted step. `None` in the first step.
+    ///
+    /// # Errors
+    /// [`StepError::Missing`] without flow.
+    pub fn judge<const D: usize>(
+        both: &mut [Rates; 2],
+        model: &Model<D>,
+        (old, new): (&State, &State),
+        dt: f64,
+    ) -> Result<Option<f64>, StepError> {
+        let [now, last] = both;
+        now.take(old, new, dt);
+        let start = &flow_of(model)?.initial;
+        let pairs = new.pressure.iter().zip(start);
+        let change: Vec<f64> = pairs.map(|(new, start)| new - start).collect();
+        Ok(last.error(now, &model.cloud.volume, &change))
+    }
+
     /// Takes those that led from `old` to `new`.
-    pub fn take(&mut self, old: &State, new: &State, dt: f64) {
+    fn take(&mut self, old: &State, new: &State, dt: f64) {
         let set = |rates: &mut Vec<f64>, new: &[f64], old: &[f64]| {
             rates.clear();
             rates.extend(new.iter().zip(old).map(|(new, old)| (new - old) / dt));
@@ -24,16 +44,25 @@ impl Rates {
         set(&mut self.pressure, &new.pressure, &old.pressure);
     }
 
-    /// Root mean square over the volume of the error of a backward Euler step of `dt` seconds with the
-    /// rates `now`: half of Δt² p̈, whose p̈ is what the rates have changed by since the step before.
-    pub fn error(&self, now: &Rates, volume: &[f64]) -> Option<f64> {
+    /// Error of a backward Euler step with the rates `now`, Pa: half of Δt² p̈, whose p̈ is what the rates have
+    /// changed by since the step before.
+    ///
+    /// It is the root mean square over the root mean square of `change`, which the pressure has gone through
+    /// since the start, times the largest of it: a fracture is a small part of the volume, and an average over
+    /// all of it would make little of what is wrong there.
+    fn error(&self, now: &Rates, volume: &[f64], change: &[f64]) -> Option<f64> {
         if self.pressure.is_empty() {
             return None;
         }
         let share = now.dt * now.dt / (now.dt + self.dt);
         let pairs = now.pressure.iter().zip(&self.pressure).zip(volume);
-        let sum: f64 = pairs.map(|((now, last), v)| v * (now - last).powi(2)).sum();
-        Some(share * (sum / volume.iter().sum::<f64>()).sqrt())
+        let error: f64 = pairs.map(|((now, last), v)| v * (now - last).powi(2)).sum();
+        let size: f64 = change.iter().zip(volume).map(|(c, v)| v * c * c).sum();
+        let largest = change.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        match size > 0.0 {
+            true => Some(share * (error / size).sqrt() * largest),
+            false => Some(0.0),
+        }
     }
 }
 
@@ -55,11 +84,17 @@ mod tests {
         let [mut last, mut now] = [Rates::default(), Rates::default()];
         let volume = [1.0, 3.0];
         last.take(&state(1.0), &state(1.5), 0.5);
-        assert_eq!(Rates::default().error(&last, &volume), None);
+        assert_eq!(Rates::default().error(&last, &volume, &[1.0; 2]), None);
         now.take(&state(1.5), &state(1.75), 0.25);
         // Backward differences of a parabola: p̈ Δt²/2 = 6/2 · 0.25², at a quarter of the volume.
-        let expected = 3.0 * 0.25 * 0.25 * 0.5;
-        let found = last.error(&now, &volume).unwrap();
-        assert!((found - expected).abs() < 1e-12, "{found}");
+        let error = 3.0 * 0.25 * 0.25;
+        for (change, expected) in [
+            ([1.0, -1.0], 0.5 * error),
+            ([2.0, 0.0], error),
+            ([0.0; 2], 0.0),
+        ] {
+            let found = last.error(&now, &volume, &change).unwrap();
+            assert!((found - expected).abs() < 1e-12, "{found}");
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! Runs of scenes whose rock breaks: steps are bounded on the cloud of the scene itself.
 //!
 //! Where rock breaks the width of its cracks follows the horizon, so that another cloud is another
-//! problem; and steps follow the growth of damage rather than an error. Methods are therefore compared
-//! by their errors in time on one cloud, at bounds of the step and of that growth which shrink alike.
+//! problem; and steps follow the growth of damage beside an error. Methods are therefore compared by their
+//! errors in time on one cloud, at bounds of the step, of that growth and of the error which shrink alike.
 
 use super::variants::weight;
 use crate::plan::{DamagePlan, StepRule};
@@ -76,6 +76,11 @@ fn bounded(variant: Variant, subject: &Subject, damage: &DamagePlan, share: f64)
                 (damage.largest_increment * share).min(1.0)
             ),
             format!("damage.shortest_step={:?}", damage.shortest_step * share),
+            // Of second order in the step, as the error of one step is.
+            format!(
+                "time.tolerance={:?}",
+                (time.tolerance * share * share).min(0.1)
+            ),
         ],
     };
     variant.set(bounds).with(STEP, step)

@@ -236,9 +236,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         }
         self.solve(model, old, dt, trial, &mut report)?;
         trial.check()?;
-        let [now, last] = &mut self.rates;
-        now.take(old, trial, dt);
-        report.error = last.error(now, &model.cloud.volume);
+        report.error = Rates::judge(&mut self.rates, model, (old, trial), dt)?;
         close(model, old, trial, (dt, trial), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);

@@ -35,6 +35,8 @@ const DEEP: usize = 16;
 const WEAK: f64 = 0.1;
 /// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
 const OWED: f64 = 1e-7;
+/// The same once passes make no progress any more: the audit allows a thousand times as much.
+const STILL_OWED: f64 = 1e-5;
 
 /// Passes without progress after which they are shortened by a half, where the pressure answers to the
 /// strain, and after which the step is given up.
@@ -49,10 +51,14 @@ const SHORTEST: f64 = 0.125;
 struct Watch {
     /// Smallest imbalance so far.
     best: f64,
+    /// Smallest share owed while forces balanced.
+    owed: f64,
     /// That of the pass before.
     before: f64,
     /// Of the larger of both, what is out of balance and what is owed, over what is allowed.
     stagnation: Stagnation,
+    /// Passes without progress.
+    stuck: usize,
     /// Damage summed over points when the crack last made progress.
     broken: f64,
     /// Share of a pass that is taken: passes that go round in circles meet where they are shortened.
@@ -71,7 +77,34 @@ impl Watch {
         if shortens && stuck > 0 && stuck.is_multiple_of(STUCK) {
             self.share = (0.5 * self.share).max(SHORTEST);
         }
+        self.stuck = stuck;
         stuck < GIVEN_UP
+    }
+
+    /// Share that strain may owe.
+    fn allowed(&self) -> f64 {
+        match self.stuck >= STUCK {
+            true => STILL_OWED,
+            false => OWED,
+        }
+    }
+
+    /// Why passes were given up.
+    fn failure(&self, time: f64, tolerance: f64, iterations: usize) -> StepError {
+        match self.owed.is_finite() {
+            true => StepError::Owed {
+                time,
+                owed: self.owed,
+                allowed: STILL_OWED,
+                iterations,
+            },
+            false => StepError::NotBroken {
+                time,
+                residual: self.best,
+                tolerance,
+                iterations,
+            },
+        }
     }
 }
 
@@ -264,8 +297,10 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut found = self.evaluate(model, state)?;
         let mut watch = Watch {
             best: f64::INFINITY,
+            owed: f64::INFINITY,
             before: f64::INFINITY,
             stagnation: Stagnation::new(),
+            stuck: 0,
             broken: found.answer.damage.iter().sum(),
             share: 1.0,
         };
@@ -285,7 +320,7 @@ impl<const D: usize> FractureFlowStep<D> {
             let imbalance = self.imbalance(&at, state.time)?;
             report.passes = pass;
             report.residual = Some(imbalance);
-            if imbalance <= self.plan.tolerance && owed <= OWED {
+            if imbalance <= self.plan.tolerance && owed <= watch.allowed() {
                 if self.resting.is_off() {
                     return Ok(());
                 }
@@ -305,6 +340,9 @@ impl<const D: usize> FractureFlowStep<D> {
                 });
             }
             watch.best = watch.best.min(imbalance);
+            if imbalance <= self.plan.tolerance {
+                watch.owed = watch.owed.min(owed);
+            }
             let off = (imbalance / self.plan.tolerance).max(owed / OWED);
             let broken = at.answer.damage.iter().sum();
             if !watch.goes_on(off, broken, self.splits()) || pass == self.plan.iterations {
@@ -322,12 +360,7 @@ impl<const D: usize> FractureFlowStep<D> {
                 None => break,
             }
         }
-        Err(StepError::NotBroken {
-            time: state.time,
-            residual: watch.best,
-            tolerance: self.plan.tolerance,
-            iterations: self.passes as usize,
-        })
+        Err(watch.failure(state.time, self.plan.tolerance, self.passes as usize))
     }
 
     /// One pass of the displacement from a place whose pressure is brought to it; `None` if it leads
