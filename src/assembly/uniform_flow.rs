@@ -8,7 +8,7 @@
 use perifrac_solvers::dot;
 
 use super::consistency::{Planes, boundary_layer, natural_extension, surface_layer};
-use super::force::force;
+use super::force::{bond_force, force};
 use crate::geometry::{Side, Voids};
 use crate::operators::{BondForm, Extension, Neighbourhood, Parity};
 
@@ -57,10 +57,12 @@ fn error_along<const D: usize, F: BondForm<D>>(
     let families = &around.families;
     let ones = vec![1.0; around.len()];
     let along = |owner: usize, bond: usize| around.bond_vector(owner, bond)[axis];
-    let mut total = [0.0, 0.0];
+    let (mut total, mut forces) = ([0.0, 0.0], Vec::new());
     for owner in (0..around.len()).filter(|owner| families.share.owns(*owner)) {
-        let energy = |bond| form.conductance(owner, bond, &ones) * along(owner, bond).powi(2);
-        total[0] += families.family(owner).map(energy).sum::<f64>();
+        let differences: Vec<f64> = families.family(owner).map(|b| along(owner, b)).collect();
+        forces.clear();
+        bond_force(form, owner, &ones, &differences, &mut forces);
+        total[0] += dot(&forces, &differences);
         total[1] += around.cloud.volume[owner];
     }
     families.share.sum(&mut total);

@@ -37,9 +37,39 @@ pub(super) fn doubts<const D: usize>(quality: &Consistency, cloud: &Cloud<D>) ->
     doubtful.into_iter().chain(plain).collect()
 }
 
-/// Error of a uniform flow beyond which the bond operator is warned of, and refused.
-const BOND_WARNED: f64 = 1e-3;
-const BOND_REFUSED: f64 = 1e-1;
+/// Error of a uniform flow beyond which an operator is warned of, and refused.
+const WARNED: f64 = 1e-3;
+const REFUSED: f64 = 1e-1;
+
+/// Holds a plain gradient of `owner`, `flow` or `mechanics`, against uniform fields where the spacing is uneven:
+/// its area vectors do not vanish there.
+///
+/// # Errors
+/// [`ModelError::InconsistentGradient`] where a uniform field would be far off.
+pub(super) fn judge_plain<const D: usize>(
+    owner: &'static str,
+    around: &Arc<Neighbourhood<D>>,
+    one_sided: &[bool],
+    warnings: &mut Vec<String>,
+) -> Result<(), ModelError> {
+    let cloud = &around.cloud;
+    if !cloud.irregular || !cloud.domain.planes {
+        return Ok(());
+    }
+    let form = Correspondence::new(around.clone(), 1.0, None);
+    let error = uniform_flow_error(&form, one_sided);
+    if error > REFUSED {
+        return Err(ModelError::InconsistentGradient { owner, error });
+    }
+    if error > WARNED {
+        warnings.push(format!(
+            "the plain gradient is not consistent on this cloud: a uniform field is off by {:.1} % on the \
+             whole, and by more at single points; use {owner}.gradient = \"divergence-consistent\"",
+            100.0 * error
+        ));
+    }
+    Ok(())
+}
 
 /// Builds the bond operator over the families of `around`.
 ///
@@ -53,14 +83,14 @@ pub(super) fn bond_operator<const D: usize>(
     let form = BondConductance::new(around.clone());
     let (uneven, points) = (form.uncorrected(), around.len());
     let error = uniform_flow_error(&form, one_sided);
-    if error > BOND_REFUSED {
+    if error > REFUSED {
         return Err(ModelError::InconsistentBonds {
             error,
             uneven,
             points,
         });
     }
-    if error > BOND_WARNED {
+    if error > WARNED {
         warnings.push(format!(
             "the bond operator is not consistent on this cloud: a uniform flow is off by {:.1} %, on \
              jittered clouds at every spacing; use a lattice, or flow.operator = \"correspondence\" \
@@ -95,6 +125,8 @@ pub(super) fn correspondence<const D: usize>(
         warnings.extend(doubts(&quality, &around.cloud));
         *consistency = Some(quality);
         corrected = Some(gradient);
+    } else {
+        judge_plain("flow", around, one_sided, warnings)?;
     }
     Ok(Box::new(Correspondence::new(
         around.clone(),

@@ -172,6 +172,18 @@ pub enum ModelError {
         /// Points of the cloud.
         points: usize,
     },
+    /// The plain gradient on a cloud that is too uneven for it.
+    #[error(
+        "the plain gradient is not consistent on this cloud: a uniform field would be off by {:.0} %; \
+         use {owner}.gradient = \"divergence-consistent\", or a more even cloud",
+        100.0 * error
+    )]
+    InconsistentGradient {
+        /// Section that asks for it.
+        owner: &'static str,
+        /// Relative error of a uniform flux.
+        error: f64,
+    },
     /// The matrix is too large.
     #[error(transparent)]
     Pattern(#[from] PatternError),

@@ -108,6 +108,9 @@ impl<const D: usize> SolidModel<D> {
             warnings.extend(super::diffusion::doubts(&quality, cloud));
             consistency = Some(quality);
             gradient = Some(corrected);
+        } else {
+            let one_sided = Planes::of(&extension).one_sided;
+            super::diffusion::judge_plain("mechanics", &around, &one_sided, warnings)?;
         }
         let lame = points.lame.clone();
         let mass = match mechanics.inertia {

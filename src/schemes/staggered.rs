@@ -41,7 +41,7 @@ enum FlowPart {
     System(Box<ImplicitSystem>),
     /// Point by point: what flows is known from the base.
     Pointwise {
-        /// Whether all steps but the first pass once.
+        /// Whether all steps pass once.
         once: bool,
     },
 }
@@ -94,7 +94,7 @@ impl<const D: usize> Staggered<D> {
         Self::new("semi-implicit", flow, solid, parts, options, tolerance)
     }
 
-    /// Without a linear system: what flows is that of the base. With `once` all steps but the first pass once.
+    /// Without a linear system: what flows is that of the base. With `once` all steps pass once.
     pub fn pointwise(
         solid: Box<dyn SolidSolver<D>>,
         parts: (&FlowModel<D>, &Coupling),
@@ -308,11 +308,14 @@ impl<const D: usize> Staggered<D> {
         matches!(self.flow, FlowPart::Pointwise { .. }) && self.options.relaxation <= 0.0
     }
 
-    /// Whether one pass must do. The first step has no strain that lags, and passes until fields agree or are
-    /// seen to diverge.
+    /// Whether one pass must do. The first step in the form of the paper has nothing that lags and passes until
+    /// fields agree or are seen to diverge.
     fn passes_once(&self, slot: usize) -> bool {
-        let once = matches!(self.flow, FlowPart::Pointwise { once: true });
-        (once || self.is_paper()) && self.lags.accepted[slot].is_some()
+        match self.flow {
+            _ if self.is_paper() => self.lags.accepted[slot].is_some(),
+            FlowPart::Pointwise { once } => once,
+            FlowPart::System(_) => false,
+        }
     }
 
     fn diverged(

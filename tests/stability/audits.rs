@@ -181,18 +181,24 @@ fn a_load_that_grows_loses_no_fluid_in_explicit_steps() {
     );
 }
 
-/// At 0.5 m the pressure is 3 % off, because rough pressures still swing: strain does not answer them.
+/// At 0.5 m the pressure is 4.4 % off after 5 s, because rough pressures still swing: strain does not answer them.
 #[test]
 fn swings_of_explicit_steps_that_did_not_wear_off_are_refused_by_name() {
     let coarse = |more: &str| {
-        let set = ["scheme.name=explicit", "geometry.spacing=0.5", more];
+        let set = [
+            "scheme.name=explicit",
+            "geometry.spacing=0.5",
+            "output.times=[]",
+            "time.end=5",
+            more,
+        ];
         try_run(&plan("terzaghi", &set))
     };
-    match coarse("output.times=[]").map(|_| ()) {
+    match coarse("audit.mass=0.5").map(|_| ()) {
         Err(RunError::Step {
             source: StepError::Unsettled { found, limit, .. },
             ..
-        }) => assert!(found > 1e-2 && limit <= 1e-2, "{found} {limit}"),
+        }) => assert!(found > 0.02 && limit <= 0.02, "{found} {limit}"),
         other => panic!("{other:?}"),
     }
     let (summary, _) = coarse("audit.lag=0.1").unwrap();

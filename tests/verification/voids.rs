@@ -190,6 +190,24 @@ fn graded_clouds_from_files_keep_their_patch_test() {
     }
 }
 
+/// A jittered bar under uniform stress: the plain gradient bends it by per cents, and says so.
+#[test]
+fn plain_gradients_on_uneven_clouds_say_how_far_uniform_fields_are_off() {
+    let told = |text: &str, jitter: f64, section: &str| {
+        let plain = format!("{section}.gradient=plain");
+        let plan = read(text, &lattice(24, jitter), &[&plain]);
+        let (summary, _) = ran(&plan);
+        let says = |warning: &&String| warning.starts_with("the plain gradient is not consistent");
+        summary.warnings.iter().find(says).cloned()
+    };
+    for (text, section) in [(PULLED, "mechanics"), (FLOODED, "flow")] {
+        assert_eq!(told(text, 0.0, section), None, "{section}");
+        let warning = told(text, 0.3, section).unwrap();
+        let remedy = format!("{section}.gradient = \"divergence-consistent\"");
+        assert!(warning.contains(&remedy), "{warning}");
+    }
+}
+
 /// The corner of an L carries no load beyond it, and its faces let nothing through.
 #[test]
 fn an_l_is_the_same_with_both_gradients_on_a_lattice() {

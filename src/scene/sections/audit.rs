@@ -53,7 +53,7 @@ impl Default for Audit {
             energy: Number::si(1e-2),
             // In Terzaghi's column it is 0.5 to 1.2 times the root mean square error of the pressure, wherever
             // that is more than discretisation.
-            lag: Number::si(1e-2),
+            lag: Number::si(1.5e-2),
         }
     }
 }
