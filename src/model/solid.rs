@@ -108,7 +108,8 @@ impl<const D: usize> SolidModel<D> {
             warnings.extend(super::diffusion::doubts(&quality, cloud));
             consistency = Some(quality);
             gradient = Some(corrected);
-        } else {
+        } else if plan.damage.is_none() && around.families.severed.is_none() {
+            // The faces of cracks are surfaces that column sums feel by right.
             let one_sided = Planes::of(&extension).one_sided;
             super::diffusion::judge_plain("mechanics", &around, &one_sided, warnings)?;
         }

@@ -38,6 +38,11 @@ impl Scale {
         }
     }
 
+    /// Whether the data tell of more than rounding.
+    pub fn is_known(&self) -> bool {
+        self.range > self.noise
+    }
+
     /// Takes in the pressures of an accepted state, or of one that is expected.
     pub fn cover<const D: usize>(&mut self, model: &Model<D>, pressure: &[f64]) {
         self.range = self.range.max(changes(model, pressure));

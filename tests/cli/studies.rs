@@ -490,6 +490,8 @@ fn the_cost_of_rock_that_breaks_is_compared_on_one_cloud() {
         "--solvers",
         "auto",
         "--quick",
+        "--budget",
+        "5min",
         "--out",
         "s",
     ]);

@@ -152,6 +152,53 @@ fn a_body_at_rest_takes_few_steps_and_moves_by_rounding() {
     }
 }
 
+/// Nothing tells beforehand how far a source drives the pressure, and its first steps are all change.
+#[test]
+fn a_flux_that_comes_late_is_resolved_by_both_integrators() {
+    let pulse = "{flux={time=[0,20,21,30,31],value=[0,0,1e-7,1e-7,0]}}";
+    let column = include_str!("../../cases/terzaghi/scene.toml");
+    let (column, _) = column.split_once("[reference]").unwrap();
+    let alone = column.split_once("[mechanics]").unwrap().0;
+    let alone = format!("{alone}[time]\nend = 60\n");
+    let flux = format!("flow.boundary.right={pulse}");
+    let coupled = "mechanics.boundary.left.traction=[0,0]";
+    for (text, schemes) in [
+        (&alone[..], &["implicit"][..]),
+        (column, &["monolithic", "staggered", "semi-implicit"][..]),
+    ] {
+        let run = |scheme: &str, integrator: &str, tolerance: &str| {
+            let mut set = vec![flux.clone(), "geometry.spacing=0.5".to_owned()];
+            set.push(format!("scheme.name={scheme}"));
+            set.push(format!("time.integrator={integrator}"));
+            set.push(format!("time.tolerance={tolerance}"));
+            if schemes.len() > 1 {
+                set.extend([coupled.to_owned(), "output.times=[]".to_owned()]);
+            }
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            run_text(text, &set)
+        };
+        let (_, exact) = run(schemes[0], "tr-bdf2", "1e-7");
+        for scheme in schemes {
+            for integrator in ["tr-bdf2", "backward-euler"] {
+                let (summary, state) = run(scheme, integrator, "1e-4");
+                let apart: Vec<f64> = (state.pressure.iter().zip(&exact.pressure))
+                    .map(|(a, b)| a - b)
+                    .collect();
+                let error =
+                    perifrac_solvers::norm2(&apart) / perifrac_solvers::norm2(&exact.pressure);
+                println!(
+                    "{scheme} {integrator}: {} steps, {error:.1e}",
+                    summary.steps
+                );
+                assert!(
+                    error < 1e-2 && summary.steps < 1000,
+                    "{scheme} {integrator}: {error}"
+                );
+            }
+        }
+    }
+}
+
 /// The load grows over a second, so the strain of the step before is no guess for that of the first.
 #[test]
 fn a_load_that_grows_loses_no_fluid_in_explicit_steps() {
