@@ -51,8 +51,8 @@ impl Default for Audit {
             mass: None,
             momentum: Number::si(1e-2),
             energy: Number::si(1e-2),
-            // In Terzaghi's column it is 0.5 to 1.2 times the root mean square error of the pressure, wherever
-            // that is more than discretisation.
+            // In 36 columns of Terzaghi's it was a quarter to 1.3 times the root mean square error of the pressure
+            // where that was above 1 %; at 0.5 m an output with 1.4e-2 is 2.3 % off, one with 3.1e-2 4.4 %.
             lag: Number::si(1.5e-2),
         }
     }
