@@ -53,19 +53,20 @@ impl<const D: usize> Run<'_, D> {
             false => balance.moved().since(&before).error(rounding),
         };
         let limits = &self.plan.audit;
-        let mass = match self.repays() {
-            true => (DEBT * limits.mass).min(1.0),
-            false => limits.mass,
-        };
+        let debt = if self.repays() { DEBT } else { 1.0 };
         let forces = balance.momentum.unwrap_or(0.0);
         let checks = [
-            (Conserved::Mass, balance.mass.max(step), mass),
-            (Conserved::Momentum, forces, limits.momentum),
-            (Conserved::Energy, conjured, limits.energy),
+            (
+                Conserved::Mass,
+                balance.mass.max(step),
+                debt * bound(limits.mass),
+            ),
+            (Conserved::Momentum, forces, bound(limits.momentum)),
+            (Conserved::Energy, conjured, bound(limits.energy)),
         ];
         for (quantity, found, limit) in checks {
-            // No number misses every limit, and a limit of one is none.
-            if found.is_nan() || found > limit && limit < 1.0 {
+            // What is no number misses every limit.
+            if found.is_nan() || found > limit {
                 let time = trial.time;
                 return Err(StepError::Unbalanced {
                     time,
@@ -89,22 +90,23 @@ impl<const D: usize> Run<'_, D> {
         trial: &State,
         balance: &Balance,
     ) -> Result<(), StepError> {
-        let (time, limits) = (trial.time, &self.plan.audit);
-        if self.repays() && balance.mass > limits.mass {
+        let time = trial.time;
+        let [mass, lag] = [self.plan.audit.mass, self.plan.audit.lag].map(bound);
+        if self.repays() && balance.mass > mass {
             return Err(StepError::Unbalanced {
                 time,
                 quantity: Conserved::Mass,
                 found: balance.mass,
-                limit: limits.mass,
+                limit: mass,
             });
         }
         let found = scale.relative(&self.model, self.unsettled, &trial.pressure);
-        match found <= limits.lag {
+        match found <= lag {
             true => Ok(()),
             false => Err(StepError::Unsettled {
                 time,
                 found,
-                limit: limits.lag,
+                limit: lag,
             }),
         }
     }
@@ -162,6 +164,11 @@ impl<const D: usize> Run<'_, D> {
             }
         }
     }
+}
+
+/// A limit as it counts: one is none.
+fn bound(limit: f64) -> f64 {
+    if limit < 1.0 { limit } else { f64::INFINITY }
 }
 
 /// What the balances need of a body with inertia; nothing without.

@@ -80,14 +80,14 @@ pub(super) fn totals<const D: usize>(
     sides: &[Side],
     voids: &Voids<D>,
 ) -> Vec<Total> {
+    if !voids.is_empty() || around.families.severed.is_some() {
+        return Vec::new();
+    }
     let cloud = &around.cloud;
     let volume: f64 = cloud.volume.iter().sum();
     let spacing = (volume / cloud.len() as f64).powf(1.0 / D as f64);
     let excess = (volume - cloud.domain.size().product()).abs();
     let fits = |side: &Side| excess <= FITS * cloud.domain.area(*side) * spacing;
-    if !voids.is_empty() || around.families.severed.is_some() {
-        return Vec::new();
-    }
     let of = |side: &Side| Total {
         member: side_layer(around, *side)
             .into_iter()

@@ -80,7 +80,8 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
 
 /// Fluid that may be lost or made, where no limit is given.
 const MASS: f64 = 1e-2;
-/// The same in the outputs of explicit steps, whose strain lags: Terzaghi's column at 0.5 m owes 3 % in an output whose pressure is good to 1.2 %, 12 % in one that is 9 % off.
+/// The same in the outputs of explicit steps, whose strain lags: Terzaghi's column at 0.5 m owes 3 % in an output
+/// whose pressure is good to 1.2 %, 12 % in one that is 9 % off.
 const MASS_WITH_LAG: f64 = 0.1;
 
 pub(super) fn audit(scene: &scene::Scene) -> AuditPlan {

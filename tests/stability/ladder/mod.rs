@@ -34,7 +34,7 @@ pub enum Judge {
     /// The exact solution that the scene names: field, largest root mean square error over its range, and the
     /// range that counts at least, where the field has all but vanished.
     Exact(&'static str, f64, f64),
-    /// The same scene with other overrides, which solves the same discrete equations: the largest relative
+    /// The same scene with other overrides, another scheme in the same steps or in short ones: the largest relative
     /// distance of each field.
     Like(Vec<String>, f64),
     /// A displacement along an axis at the point farthest along it, m, and the largest relative error.
