@@ -124,9 +124,10 @@ impl LinearSystem {
         };
         match physics {
             Physics::Elasticity => {
-                let solid = model.solid.context("a solid")?;
+                let solid = model.solid.and_then(std::sync::Arc::into_inner);
+                let solid = solid.context("a solid of its own")?;
                 if !grows {
-                    let matrix = solid.stiffness;
+                    let matrix = solid.stiffness.clone();
                     return Ok(system(matrix, Symmetry::PositiveDefinite, 2, None));
                 }
                 let matrix = solid.stiffness.clone();

@@ -159,6 +159,12 @@ impl LinearSolver for Auto {
         self.chosen()?.refresh(matrix)
     }
 
+    fn begin_anew(&mut self) {
+        if let Some(solver) = &mut self.chosen {
+            solver.begin_anew();
+        }
+    }
+
     fn solve_to(
         &mut self,
         matrix: CsrView<'_>,

@@ -85,6 +85,10 @@ pub trait LinearSolver: Send {
     /// [`SolveError::IncompletePivot`].
     fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError>;
 
+    /// Drops what was learned from earlier matrices, so that the next refresh, which must follow, builds
+    /// everything from its own matrix: kept factors, aggregates and the like.
+    fn begin_anew(&mut self) {}
+
     /// Solves `matrix · x = rhs`. `matrix` must be the one last given to `refresh`, or, for a solver
     /// that is not [direct](LinearSolver::is_direct), one on the same pattern that differs little.
     ///

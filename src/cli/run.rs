@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::output::OutputError;
-use crate::run::{Summary, Writer, run_with};
+use crate::run::{Job, Settings, Summary, Writer, run_job};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print, tell_of_kept};
@@ -34,6 +34,17 @@ pub struct Args {
     /// Print nothing but errors and, with --json, the summary
     #[arg(long, short)]
     quiet: bool,
+    /// Do every Nth step twice and throw the first trial away, which must change nothing
+    #[arg(long, value_name = "N", hide = true, value_parser = clap::value_parser!(u64).range(1..))]
+    reject_every: Option<u64>,
+}
+
+impl Args {
+    fn settings(&self) -> Settings {
+        Settings {
+            reject_every: self.reject_every,
+        }
+    }
 }
 
 /// Runs a scene.
@@ -55,10 +66,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let interrupt = handled();
     let mut console = Console::new(args.quiet || !processes.leads());
-    let (plan, team, writer_of) = (&planned.plan, team.as_ref(), Some(&mut writer));
+    let plan = &planned.plan;
+    let job = Job {
+        team: team.as_ref(),
+        writer: Some(&mut writer),
+        observer: &mut console,
+        interrupt: &interrupt,
+        settings: args.settings(),
+    };
     let result = match plan.dimension {
-        2 => run_with::<2>(plan, team, writer_of, &mut console, &interrupt),
-        _ => run_with::<3>(plan, team, writer_of, &mut console, &interrupt),
+        2 => run_job::<2>(plan, job),
+        _ => run_job::<3>(plan, job),
     };
     console.finish();
     tell_of_kept(&writer.kept());
@@ -163,7 +181,7 @@ mod tests {
         let text = cases::find(case).unwrap().scene;
         let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
         let plan = plan::resolve(&loaded, case).unwrap();
-        let summary = run_with::<2>(&plan, None, None, &mut (), &Interrupt::default());
+        let summary = crate::run::run::<2>(&plan, None, &mut (), &Interrupt::default());
         describe(&summary.unwrap().0)
     }
 

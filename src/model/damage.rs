@@ -3,7 +3,7 @@
 use crate::effects::tensor;
 use crate::geometry::Matrix;
 use crate::material::DamageLaw;
-use crate::operators::{Answer, Damage, Elastic, Resting};
+use crate::operators::{Answer, Damage, Elastic};
 use crate::plan::{MechanicsPlan, Plan};
 
 use super::bands::Bands;
@@ -54,20 +54,9 @@ impl<const D: usize> SolidModel<D> {
         walls: &[f64],
         history: &[f64],
     ) -> Option<Answer<D>> {
-        self.answer_of(displacement, walls, history, &Resting::new(0.0))
-    }
-
-    /// As [`SolidModel::answer`] where some points rest.
-    pub fn answer_of(
-        &self,
-        displacement: &[f64],
-        walls: &[f64],
-        history: &[f64],
-        resting: &Resting<D>,
-    ) -> Option<Answer<D>> {
         let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
         let damage = self.damage.as_ref()?;
-        let answer = || damage.answer(&self.elastic, history, resting, difference);
+        let answer = || damage.answer(&self.elastic, history, difference);
         Some(self.timers.time("laws", answer))
     }
 

@@ -1,6 +1,7 @@
 //! The flow problem: S ṗ + L p = q on the points.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use perifrac_solvers::CsrView;
 use rayon::prelude::*;
@@ -30,14 +31,16 @@ pub struct FixedPressure {
     pub load: usize,
 }
 
-/// Operators, coefficients and effects of the flow problem.
+/// Operators, coefficients and effects of the flow problem. Clones share what does not depend on the
+/// coefficients.
+#[derive(Clone)]
 pub struct FlowModel<const D: usize> {
     /// The diffusion operator.
-    pub operator: Box<dyn ScalarOperator<D>>,
+    pub operator: Arc<dyn ScalarOperator<D>>,
     /// Continuation of the pressure across the sides.
     pub extension: Extension<D>,
     /// Sparsity of L.
-    pub pattern: Pattern,
+    pub pattern: Arc<Pattern>,
     /// Values of L, shape `(nonzeros,)`, m^D/(Pa s).
     pub conductance: Vec<f64>,
     /// Values of the stabilising storage in the same pattern, m^D/Pa; empty without one.
@@ -47,7 +50,7 @@ pub struct FlowModel<const D: usize> {
     /// V s per point: volume stored per pascal, m^D/Pa.
     pub capacity: Vec<f64>,
     /// Loads and sources.
-    pub effects: Vec<Counted>,
+    pub effects: Arc<Vec<Counted>>,
     /// Points with prescribed pressure.
     pub fixed: Vec<FixedPressure>,
     /// Their pressures over time.
@@ -56,14 +59,14 @@ pub struct FlowModel<const D: usize> {
     pub consistency: Option<Consistency>,
     /// Initial pressure, shape `(n,)`, Pa.
     pub initial: Vec<f64>,
-    /// How often L was filled.
-    pub refills: u64,
     /// Sides of prescribed pressure.
     pub walls: Vec<Wall>,
     /// Where the time of the run goes.
     pub timers: Timers,
     column: Option<Column<D>>,
-    refill_plan: Refill,
+    refill_plan: Arc<Refill>,
+    /// How often L was filled, by all clones.
+    refills: Arc<AtomicU64>,
 }
 
 impl<const D: usize> FlowModel<D> {
@@ -112,20 +115,20 @@ impl<const D: usize> FlowModel<D> {
                 .collect(),
             initial: initial.collect(),
             walls: Vec::new(),
-            refill_plan: Refill::default(),
-            pattern: Pattern {
+            refill_plan: Arc::default(),
+            pattern: Arc::new(Pattern {
                 offsets: vec![0],
                 columns: Vec::new(),
-            },
+            }),
             conductance: Vec::new(),
             stabilisation: Vec::new(),
-            effects: Vec::new(),
-            operator,
+            effects: Arc::default(),
+            operator: operator.into(),
             extension,
             mobility,
             fixed,
             fixed_loads,
-            refills: 0,
+            refills: Arc::default(),
             consistency,
             timers: Timers::default(),
             column,
@@ -139,15 +142,16 @@ impl<const D: usize> FlowModel<D> {
         bands: &Bands,
         coupling: Option<&Coupling>,
     ) -> Result<Self, ModelError> {
-        self.pattern = self.operator.pattern()?;
+        let mut pattern = self.operator.pattern()?;
         let strength = plan.coupling.map_or(0.0, |coupling| coupling.stabilisation);
         if let Some(coupling) = coupling.filter(|_| strength > 0.0) {
             let term = Stabilisation::new(self.operator.neighbourhood(), coupling, strength);
-            self.pattern = self.pattern.union(&term.pattern()?)?;
-            self.stabilisation = term.values(&self.pattern);
+            pattern = pattern.union(&term.pattern()?)?;
+            self.stabilisation = term.values(&pattern);
         }
-        self.conductance = vec![0.0; self.pattern.nonzeros()];
-        self.refill_plan = self.operator.refill_plan(&self.extension, &self.pattern);
+        self.conductance = vec![0.0; pattern.nonzeros()];
+        self.refill_plan = Arc::new(self.operator.refill_plan(&self.extension, &pattern));
+        self.pattern = Arc::new(pattern);
         self.refill();
         let cloud = &self.operator.neighbourhood().cloud;
         let storage: Vec<f64> = self
@@ -156,7 +160,7 @@ impl<const D: usize> FlowModel<D> {
             .zip(&cloud.volume)
             .map(|(c, v)| c / v)
             .collect();
-        self.effects = effects::build(&Context {
+        self.effects = Arc::new(effects::build(&Context {
             plan,
             operator: &*self.operator,
             extension: &self.extension,
@@ -164,7 +168,7 @@ impl<const D: usize> FlowModel<D> {
             storage: &storage,
             column: self.column.as_ref(),
             bands: &bands.points,
-        })?;
+        })?);
         self.walls = boundary::walls(
             plan,
             &*self.operator,
@@ -187,7 +191,12 @@ impl<const D: usize> FlowModel<D> {
                 values,
             );
         });
-        self.refills += 1;
+        self.refills.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How often L was filled, by this model and those it shares its parts with.
+    pub fn refills(&self) -> u64 {
+        self.refills.load(Ordering::Relaxed)
     }
 
     /// Brings the sides of prescribed pressure to the current mobility.

@@ -1,5 +1,8 @@
 //! Flow where rock is broken: properties between those of rock and of a crack (Eqs. 40 to 46).
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::{Coupling, FlowModel, Model, SolidModel};
@@ -22,8 +25,8 @@ pub struct FractureFlow {
     viscosity: f64,
     /// Opening per point, m, shape `(n,)`; 0 where the rock is intact.
     pub aperture: Vec<f64>,
-    /// Openings evaluated so far.
-    pub evaluations: u64,
+    /// Openings evaluated so far, by all clones.
+    evaluations: Arc<AtomicU64>,
 }
 
 /// Damage below the upper threshold that counts as it: damage never reaches 1.
@@ -45,8 +48,13 @@ impl FractureFlow {
             weight: coupling.divergence.weight.clone(),
             viscosity: plan.fluid.viscosity,
             aperture: vec![0.0; flow.points()],
-            evaluations: 0,
+            evaluations: Arc::default(),
         })
+    }
+
+    /// Openings evaluated so far.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations.load(Ordering::Relaxed)
     }
 
     /// Bytes held.
@@ -103,7 +111,8 @@ impl FractureFlow {
         };
         let openings: Vec<f64> = (0..answer.damage.len()).into_par_iter().map(at).collect();
         let evaluated = (0..openings.len()).filter(|i| broken(*i)).count();
-        self.evaluations += evaluated as u64;
+        self.evaluations
+            .fetch_add(evaluated as u64, Ordering::Relaxed);
         self.aperture = openings;
     }
 }

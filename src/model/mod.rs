@@ -2,6 +2,7 @@
 
 mod bands;
 mod cloud;
+mod coefficients;
 mod coupling;
 mod damage;
 mod darcy;
@@ -26,6 +27,7 @@ use perifrac_solvers::Team;
 
 pub use bands::Bands;
 pub use cloud::{build_cloud, build_families};
+pub use coefficients::Coefficients;
 pub use coupling::{Audit, Coupling};
 pub use disc::Disc;
 pub use error::ModelError;
@@ -42,7 +44,11 @@ use crate::plan::{CrackPlan, Plan, damage_width, manufactured, width_warning};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
 
-/// Everything a scheme needs. A part that the plan does not name is absent.
+/// Everything a scheme needs, the same throughout a run. A part that the plan does not name is absent.
+///
+/// Where rock that breaks conducts fluid the coefficients of flow belong to the state, and
+/// [`Model::with`] gives the model at a state; such clones share all that does not depend on them.
+#[derive(Clone)]
 pub struct Model<const D: usize> {
     /// The points.
     pub cloud: Arc<Cloud<D>>,
@@ -53,17 +59,17 @@ pub struct Model<const D: usize> {
     /// The flow problem.
     pub flow: Option<FlowModel<D>>,
     /// The mechanical problem.
-    pub solid: Option<SolidModel<D>>,
+    pub solid: Option<Arc<SolidModel<D>>>,
     /// What couples the two.
     pub coupling: Option<Coupling>,
     /// How flow changes where rock breaks.
     pub fracture_flow: Option<FractureFlow>,
     /// Points where fluid is pumped into each crack, with their shares; none where it is not.
-    pub injections: Vec<Vec<(u32, f64)>>,
+    pub injections: Arc<Vec<Vec<(u32, f64)>>>,
     /// Where values between points are wanted.
-    pub places: Places<D>,
+    pub places: Arc<Places<D>>,
     /// Points of cracks that are damaged from the start.
-    pub bands: Bands,
+    pub bands: Arc<Bands>,
     /// Largest pressure or stress that the data name, Pa: what rounding is relative to.
     pub level: f64,
     /// What the user should know.
@@ -145,15 +151,15 @@ impl<const D: usize> Model<D> {
         Ok(Model {
             level: level::level(plan, flow.as_ref()),
             fracture_flow,
-            injections,
+            injections: Arc::new(injections),
             cloud,
             material: points.material,
             permeability: points.permeability,
             flow,
-            solid,
+            solid: solid.map(Arc::new),
             coupling,
-            places,
-            bands,
+            places: Arc::new(places),
+            bands: Arc::new(bands),
             warnings,
             timers: timers.clone(),
         })
@@ -185,7 +191,7 @@ impl<const D: usize> Model<D> {
     /// Times at which a load's slope jumps, sorted.
     pub fn breakpoints(&self) -> Vec<f64> {
         let flow = self.flow.iter().flat_map(FlowModel::breakpoints);
-        let solid = self.solid.iter().flat_map(SolidModel::breakpoints);
+        let solid = self.solid.iter().flat_map(|solid| solid.breakpoints());
         let mut times: Vec<f64> = flow.chain(solid).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
@@ -195,7 +201,7 @@ impl<const D: usize> Model<D> {
     /// Bytes held, by what holds them.
     pub fn bytes(&self) -> Vec<(&'static str, usize)> {
         let flow = self.flow.iter().flat_map(FlowModel::bytes);
-        let solid = self.solid.iter().flat_map(SolidModel::bytes);
+        let solid = self.solid.iter().flat_map(|solid| solid.bytes());
         let coupling = self.coupling.iter().map(|c| ("coupling", c.bytes()));
         let cracks = self
             .fracture_flow

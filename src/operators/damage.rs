@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Elastic, Resting};
+use super::Elastic;
 use crate::geometry::{Matrix, Vector};
 use crate::material::{DamageLaw, HourglassRule, PointAnswer, Softening, Tangent};
 use crate::parallel::by_ranges;
@@ -36,8 +36,6 @@ pub struct Answer<const D: usize> {
     pub hourglass: Vec<f64>,
     /// Hourglass energy per family that drives no damage, J, shape `(n,)`.
     pub rough: Vec<f64>,
-    /// Points that were to rest and had to be evaluated.
-    pub stirred: Vec<u32>,
     /// Energy of strain and what damage took, without what is in `rough`, J (per metre of thickness in
     /// 2-D).
     pub bulk: f64,
@@ -84,13 +82,11 @@ impl<const D: usize> Damage<D> {
             .answer(lame, toughness, history[owner], strain, rough)
     }
 
-    /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³);
-    /// the law of points that rest is not evaluated.
+    /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
     pub fn answer(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
-        resting: &Resting<D>,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Answer<D> {
         let families = &elastic.around.families;
@@ -99,10 +95,8 @@ impl<const D: usize> Damage<D> {
             let mut seen = None;
             let difference = |bond| difference(owner, bond);
             let answer = |strain: &Matrix<D>, rough: f64| {
-                let rests = resting.answer(self, elastic, history, owner, strain, rough);
-                let point =
-                    rests.unwrap_or_else(|| self.at(elastic, history, owner, strain, rough));
-                seen = Some((*strain, point, rests.is_some()));
+                let point = self.at(elastic, history, owner, strain, rough);
+                seen = Some((*strain, point));
                 (point.stress, self.law.hourglass(point.damage))
             };
             let rough = elastic.family_answer(owner, difference, answer, forces);
@@ -115,20 +109,14 @@ impl<const D: usize> Damage<D> {
             damage: Vec::with_capacity(points.len()),
             hourglass: Vec::with_capacity(points.len()),
             rough: Vec::with_capacity(points.len()),
-            stirred: Vec::new(),
             bulk: 0.0,
         };
         let mut evaluated = 0;
         for (owner, (seen, rough)) in points.into_iter().enumerate() {
-            let Some((strain, point, rests)) = seen else {
+            let Some((strain, point)) = seen else {
                 continue;
             };
-            if !rests {
-                evaluated += 1;
-                answer
-                    .stirred
-                    .extend(resting.holds(owner).then_some(owner as u32));
-            }
+            evaluated += 1;
             let volume = elastic.around.cloud.volume[owner];
             answer.bulk += volume * point.energy;
             answer.hourglass.push(self.law.hourglass(point.damage));
@@ -144,19 +132,15 @@ impl<const D: usize> Damage<D> {
         answer
     }
 
-    /// Tangents at an answer of the points that rest in it, and of the others.
+    /// Tangents at an answer.
     pub fn tangents(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
-        resting: &Resting<D>,
         answer: &Answer<D>,
         softening: Softening,
     ) -> Vec<Tangent<D>> {
         let at = |(owner, strain): (usize, &Matrix<D>)| {
-            if resting.holds(owner) {
-                return resting.tangent(owner);
-            }
             let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
             let seen = (history[owner], answer.driving[owner]);
             self.law.tangent(lame, toughness, seen, strain, softening)

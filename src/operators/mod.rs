@@ -20,7 +20,6 @@ mod faces;
 mod gradient;
 mod hourglass;
 mod neighbourhood;
-mod resting;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
@@ -33,7 +32,6 @@ pub use faces::face_areas;
 pub use gradient::{Gradient, area_vectors, column_sums, family_gradient};
 pub use hourglass::Hourglass;
 pub use neighbourhood::Neighbourhood;
-pub use resting::Resting;
 
 pub use crate::material::Lame;
 

@@ -26,17 +26,22 @@ const DEBT: f64 = 10.0;
 const FADING: f64 = 0.9;
 
 impl<const D: usize> Run<'_, D> {
-    /// The balances as they would be if the trial were accepted.
+    /// The balances as they would be if the trial were accepted, with the model at its coefficients.
     ///
     /// # Errors
     /// [`StepError::Unbalanced`] where one misses the plan's limit.
-    pub(super) fn audit(&self, report: &StepReport, trial: &State) -> Result<Balance, StepError> {
+    pub(super) fn audit(
+        &self,
+        model: &Model<D>,
+        report: &StepReport,
+        trial: &State,
+    ) -> Result<Balance, StepError> {
         let mut balance = self.balance.clone();
         let before = balance.moved();
         balance.add(&report.flows);
-        let now = Stored::of(&self.model, trial);
+        let now = Stored::of(model, trial);
         balance.held = balance.held.max(now.held);
-        balance.exchanged += exchanged(&self.model, &self.state, trial);
+        balance.exchanged += exchanged(model, &self.state, trial);
         let stored = match report.stored {
             Some(own) => [balance.stored + own, 0.0],
             None => std::array::from_fn(|k| now.parts[k] - self.start_volume[k]),
@@ -47,7 +52,7 @@ impl<const D: usize> Run<'_, D> {
             TimeMode::Steady => 0.0,
         };
         balance.close(stored, rounding);
-        let conjured = self.measure_mechanics(trial, &mut balance);
+        let conjured = self.measure_mechanics(model, trial, &mut balance);
         let step = match self.lags() {
             true => 0.0,
             false => balance.moved().since(&before).error(rounding),
@@ -139,7 +144,7 @@ impl<const D: usize> Run<'_, D> {
 
     /// Enters the balance of forces and the energies of a state; gives the energy that came from nowhere
     /// over all that was supplied or stored.
-    fn measure_mechanics(&self, state: &State, balance: &mut Balance) -> f64 {
+    fn measure_mechanics(&self, model: &Model<D>, state: &State, balance: &mut Balance) -> f64 {
         let State {
             time,
             pressure,
@@ -148,17 +153,17 @@ impl<const D: usize> Run<'_, D> {
             history,
             ..
         } = state;
-        let audit = (self.model).audit(*time, pressure, displacement, walls, history);
+        let audit = model.audit(*time, pressure, displacement, walls, history);
         balance.energy = audit.as_ref().map(|audit| audit.energy);
         balance.potential = audit.as_ref().map(|audit| audit.potential);
         let Some(audit) = audit else { return 0.0 };
-        match moment(&self.model, state, audit.elastic) {
+        match moment(model, state, audit.elastic) {
             Some(now) => balance.balance_motion(now),
             None => {
                 balance.balance_forces(audit.unbalanced, audit.forces);
                 // What breaks at once takes more than the trapezoidal rule knows of.
                 match self.plan.damage {
-                    None => balance.balance_supply(supply(&self.model, state, audit)),
+                    None => balance.balance_supply(supply(model, state, audit)),
                     Some(_) => 0.0,
                 }
             }

@@ -101,7 +101,7 @@ impl<const D: usize> Run<'_, D> {
         let model = &self.model;
         let families = match (&model.flow, &model.solid) {
             (Some(flow), _) => Some(&flow.operator.neighbourhood().families),
-            (None, solid) => solid.as_ref().map(|solid| &solid.elastic.around.families),
+            (None, solid) => solid.as_deref().map(|solid| &solid.elastic.around.families),
         };
         let own = |families: &Families<D>| -> usize {
             let points = (0..families.len()).filter(|point| families.share.owns(*point));
@@ -333,7 +333,7 @@ impl<const D: usize> Run<'_, D> {
 
     fn counters(&self, scheme: SchemeCounters) -> Counters {
         let model = &self.model;
-        let flow = model.flow.iter().flat_map(|flow| &flow.effects);
+        let flow = model.flow.iter().flat_map(|flow| flow.effects.iter());
         let solid = model.solid.iter().flat_map(|solid| &solid.effects);
         let mut evaluations = BTreeMap::new();
         for effect in flow.chain(solid) {
@@ -342,12 +342,12 @@ impl<const D: usize> Run<'_, D> {
         let damage = model.solid.as_ref().and_then(|solid| solid.damage.as_ref());
         evaluations.extend(damage.map(|damage| ("damage", damage.evaluations())));
         let cracks = model.fracture_flow.as_ref();
-        evaluations.extend(cracks.map(|cracks| ("aperture", cracks.evaluations)));
+        evaluations.extend(cracks.map(|cracks| ("aperture", cracks.evaluations())));
         Counters {
             steps: self.steps,
             rejected: self.rejections.total(),
             operator_products: scheme.products,
-            refills: model.flow.as_ref().map_or(0, |flow| flow.refills),
+            refills: model.flow.as_ref().map_or(0, FlowModel::refills),
             stiffness_refills: model.solid.as_ref().map_or(0, |solid| solid.refills),
             solver: scheme.solver,
             mechanics: scheme.mechanics,

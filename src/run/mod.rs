@@ -9,6 +9,7 @@ mod finish;
 mod fracture;
 mod rejections;
 mod scale;
+mod settings;
 mod stops;
 mod suction;
 mod summary;
@@ -19,8 +20,9 @@ pub use columns::openings;
 pub use error::RunError;
 pub use examine::{Examined, examine};
 pub use fracture::Results;
+pub use settings::Settings;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
-pub use time_loop::{Observer, Progress, run, run_with};
+pub use time_loop::{Job, Observer, Progress, run, run_job};
 pub use writer::Writer;
 
 pub use perifrac_solvers::Interrupt;

@@ -9,6 +9,7 @@ use super::audit::Stored;
 use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
 use super::scale::Scale;
+use super::settings::Settings;
 use super::stops::{Stops, clamp};
 use super::{RunError, Summary, TimedErrors, Writer};
 use crate::model::Model;
@@ -61,21 +62,43 @@ pub fn run<const D: usize>(
     observer: &mut dyn Observer,
     interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
-    run_with::<D>(plan, None, writer, observer, interrupt)
+    let job = Job {
+        team: None,
+        writer,
+        observer,
+        interrupt,
+        settings: Settings::default(),
+    };
+    run_job::<D>(plan, job)
 }
 
-/// As [`run`], with other processes if there is a team: all must call it together, each with its own
-/// writer. The summary and the state are the same everywhere.
+/// What a run works with, beside its plan.
+pub struct Job<'a> {
+    /// Other processes, if there are any: all must run the same plan together, each with its own writer.
+    /// The summary and the state are the same everywhere.
+    pub team: Option<&'a Arc<dyn Team>>,
+    /// Writes the files of the run.
+    pub writer: Option<&'a mut Writer>,
+    /// Is told how the run goes on.
+    pub observer: &'a mut dyn Observer,
+    /// Stops the run.
+    pub interrupt: &'a Interrupt,
+    /// How the run is done.
+    pub settings: Settings,
+}
+
+/// As [`run`].
 ///
 /// # Errors
 /// As [`run`]; [`RunError::Elsewhere`] if another process failed.
-pub fn run_with<const D: usize>(
-    plan: &Plan,
-    team: Option<&Arc<dyn Team>>,
-    writer: Option<&mut Writer>,
-    observer: &mut dyn Observer,
-    interrupt: &Interrupt,
-) -> Result<(Summary, State), RunError> {
+pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, State), RunError> {
+    let Job {
+        team,
+        writer,
+        observer,
+        interrupt,
+        settings,
+    } = job;
     let started = Instant::now();
     let mut timers = Timers::default();
     timers.begin("other");
@@ -109,6 +132,7 @@ pub fn run_with<const D: usize>(
         pressed: Some(0.0),
         unsettled: 0.0,
         aside: SchemeCounters::default(),
+        settings,
     };
     run.start_volume = Stored::of(&run.model, &run.state).parts;
     let effort = interrupt.during(|| match plan.time.mode {
@@ -152,6 +176,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) unsettled: f64,
     /// Work beside that of the scheme: the step that finds the range.
     aside: SchemeCounters,
+    pub(super) settings: Settings,
 }
 
 impl<const D: usize> Run<'_, D> {
@@ -179,7 +204,7 @@ impl<const D: usize> Run<'_, D> {
             stored: Some(0.0),
             ..report.clone()
         };
-        let balanced = self.audit(&rates, &self.state);
+        let balanced = self.audit(&self.model, &rates, &self.state);
         self.balance = balanced.map_err(|error| self.failed(error))?;
         timers.time("output", || self.first_output(&report))?;
         Ok((counters, solver, None))
@@ -228,25 +253,32 @@ impl<const D: usize> Run<'_, D> {
         let built = timers.time("scheme", || schemes::build(plan, &self.model));
         let mut scheme = built.map_err(|error| self.failed(error))?;
         self.scheme_name = scheme.name().to_owned();
-        let started = timers.time("start", || scheme.start(&mut self.model, &mut self.state));
+        let started = timers.time("start", || scheme.start(&self.model, &mut self.state));
         started.map_err(|error| self.failed(error))?;
+        self.follow_state();
         // The start moves no fluid, but for what points of prescribed pressure take in.
         self.start_volume = Stored::of(&self.model, &self.state).parts;
         let scale = timers.time("range", || self.scale());
         let mut scale = scale.map_err(|error| self.failed(error))?;
         let mut control = self.control(&*scheme);
         let mut stops = Stops::new(plan, &self.model.breakpoints());
-        let balanced = self.audit(&StepReport::default(), &self.state);
+        let balanced = self.audit(&self.model, &StepReport::default(), &self.state);
         self.balance = balanced.map_err(|error| self.failed(error))?;
         timers.time("output", || self.first_output(&StepReport::default()))?;
         let mut trial = self.state.clone();
+        let mut thrown = false;
         while let Some(stop) = stops.next() {
             self.check_limits()?;
             let allowed = self.allowed(&*scheme).min(control.dt());
             let dt = clamp(allowed, stop.time - self.state.time);
-            let step = || scheme.step(&mut self.model, &self.state, dt, &mut trial);
+            let step = || scheme.step(&self.model, &self.state, dt, &mut trial);
             let outcome = timers.time("steps", step);
-            let audit = |report| Ok((self.audit(&report, &trial)?, report));
+            let reached = stop.time - trial.time < 1e-9 * dt;
+            if outcome.is_ok() && reached {
+                trial.time = stop.time;
+            }
+            let ahead = self.model.at(trial.coefficients.as_ref());
+            let audit = |report| Ok((self.audit(&ahead, &report, &trial)?, report));
             let audited = outcome.and_then(|report| timers.time("audit", || audit(report)));
             let (balance, report) = match audited {
                 Ok(sound) => sound,
@@ -262,24 +294,26 @@ impl<const D: usize> Run<'_, D> {
                     continue;
                 }
             };
+            if self.is_thrown_away(&mut thrown) {
+                continue;
+            }
             let verdict = self.judged(&scale, &report, &trial, dt);
             if !control.judge(verdict.largest(), dt) {
                 self.rejections.count(verdict.reason());
                 self.check_smallest(control.dt())?;
                 continue;
             }
+            drop(ahead);
             self.remember_lag(&report);
-            let reached = stop.time - trial.time < 1e-9 * dt;
             if stop.output && reached {
                 let settled = self.audit_output(&scale, &trial, &balance);
                 settled.map_err(|error| self.failed(error))?;
             }
             std::mem::swap(&mut self.state, &mut trial);
-            scheme.accept();
+            self.follow_state();
             self.steps += 1;
             self.balance = balance;
             if reached {
-                self.state.time = stop.time;
                 stops.pass();
             }
             scale.cover(&self.model, &self.state.pressure);
@@ -288,6 +322,20 @@ impl<const D: usize> Run<'_, D> {
         let mut counters = scheme.counters();
         counters.add(&self.aside);
         Ok((counters, scheme.solver(), scheme.limit().cloned()))
+    }
+
+    /// Brings the model to the coefficients of the accepted state.
+    fn follow_state(&mut self) {
+        if let Some(coefficients) = &self.state.coefficients {
+            self.model = self.model.with(coefficients);
+        }
+    }
+
+    /// Whether a sound step is to be done once more, which must change nothing.
+    fn is_thrown_away(&self, thrown: &mut bool) -> bool {
+        let due = |every: u64| (self.steps + 1).is_multiple_of(every);
+        *thrown = !*thrown && self.settings.reject_every.is_some_and(due);
+        *thrown
     }
 
     /// Steps that fall below all measure will not end the run.
@@ -411,8 +459,7 @@ impl<const D: usize> Run<'_, D> {
         let mut here = self.state.clone();
         for time in legs(&self.model.breakpoints(), self.plan.time.end) {
             let mut far = here.clone();
-            probe.step(&mut self.model, &here, time - here.time, &mut far)?;
-            Scheme::<D>::accept(&mut probe);
+            probe.step(&self.model, &here, time - here.time, &mut far)?;
             let pairs = far.pressure.iter().zip(&start);
             let expected: Vec<f64> = pairs.map(|(p, p0)| p0 + share * (p - p0)).collect();
             scale.cover(&self.model, &expected);

@@ -118,7 +118,6 @@ mod tests {
             ("Damage", "residual_stiffness", 1e-14, 1e-3),
             ("Damage", "tolerance", 1e-12, 1e-3),
             ("Damage", "iterations", 1.0, 1e6),
-            ("Damage", "resting_growth", 0.0, 0.01),
             ("Damage", "largest_increment", 1e-3, 1.0),
             ("FractureFlow", "lower_threshold", 0.01, 0.99),
             ("FractureFlow", "upper_threshold", 0.02, 1.0),

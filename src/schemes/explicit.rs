@@ -13,11 +13,12 @@ use perifrac_solvers::norm2;
 use rayon::prelude::*;
 
 use super::implicit::{close_fixed, weigh};
+use super::memory::Watch;
 use super::quasi_static::growth;
 use super::stage::{Stage, Target};
 use super::{
-    Scheme, SchemeCounters, Staggered, State, StepError, StepLimit, StepReport, diffusion_limit,
-    flow_of,
+    Memory, Scheme, SchemeCounters, Staggered, State, StepError, StepLimit, StepReport,
+    diffusion_limit, flow_of,
 };
 use crate::model::{FlowModel, Model, exchange};
 
@@ -37,15 +38,6 @@ pub struct ForwardEuler<const D: usize> {
     passes: Option<Staggered<D>>,
     /// Whether loads on the solid vary over time.
     loads_vary: bool,
-}
-
-/// Watches the imbalance ‖q − L p‖ in the S⁻¹ norm. Stable steps never let it grow by more than the
-/// loads change, so growth means instability, long before values overflow.
-#[derive(Debug, Default)]
-struct Watch {
-    steps: usize,
-    /// Largest imbalance that the loads until now can have caused.
-    bound: f64,
 }
 
 /// Steps between two looks.
@@ -297,26 +289,36 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         Some(&self.limit)
     }
 
-    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
-        let model = &*model;
+    fn recall(&mut self, memory: &Memory) {
+        self.watch = memory.watch;
+        if let Some(passes) = &mut self.passes {
+            Stage::recall(passes, memory);
+        }
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         let wanted = model
             .coupling
             .as_ref()
             .is_some_and(|coupling| coupling.undrained_start);
         match &mut self.passes {
-            Some(passes) if wanted => Stage::start(passes, model, state),
+            Some(passes) if wanted => {
+                Stage::start(passes, model, state)?;
+                Stage::remember(passes, &mut state.memory);
+                Ok(())
+            }
             _ => Ok(()),
         }
     }
 
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
-        let model = &*model;
+        self.recall(&old.memory);
         trial.time = old.time + dt;
         let report = match self.passes.take() {
             None => self.alone(flow_of(model)?, old, dt, trial),
@@ -328,16 +330,14 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
         };
         self.products += 1;
         self.check(model, old, trial, dt)?;
+        trial.memory.watch = self.watch;
+        if let Some(passes) = &self.passes {
+            Stage::remember(passes, &mut trial.memory);
+        }
         Ok(StepReport {
             growth: growth(model, old, trial),
             ..report
         })
-    }
-
-    fn accept(&mut self) {
-        if let Some(passes) = &mut self.passes {
-            Stage::accept(passes);
-        }
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -7,8 +7,9 @@
 
 use perifrac_solvers::dot;
 
+use super::memory::Timed;
 use super::stage::{Stage, Target};
-use super::{Increment, Scheme, SchemeCounters, State, StepError, StepReport, flow_of};
+use super::{Increment, Memory, Scheme, SchemeCounters, State, StepError, StepReport, flow_of};
 use crate::model::{FlowModel, Model};
 use crate::plan::Integrator;
 use crate::report::Flows;
@@ -21,8 +22,6 @@ pub struct Implicit<const D: usize> {
     products: u64,
     /// Whether anybody asks for the error of a step.
     estimates: bool,
-    /// Imbalance q − L p at the end of the last trial and at the start of its step.
-    known: [Option<(f64, Vec<f64>)>; 2],
 }
 
 /// γ of TR-BDF2, for which both stages have the same matrix.
@@ -38,7 +37,6 @@ impl<const D: usize> Implicit<D> {
             stage,
             products: 0,
             estimates,
-            known: [None, None],
         }
     }
 
@@ -52,18 +50,11 @@ impl<const D: usize> Implicit<D> {
 
     /// Imbalance at the start of the step, kept from the end of the last one.
     fn at_start(&mut self, flow: &FlowModel<D>, old: &State) -> Vec<f64> {
-        let at = |known: &Option<(f64, Vec<f64>)>| {
-            known
-                .as_ref()
-                .is_some_and(|(time, _)| time.to_bits() == old.time.to_bits())
-        };
-        let found = self.known.iter().position(at);
-        let start = match found.and_then(|k| self.known[k].take()) {
-            Some((_, imbalance)) => imbalance,
+        let known = old.memory.imbalance.as_ref();
+        match known.and_then(|known| known.at(old.time)) {
+            Some(imbalance) => imbalance.to_vec(),
             None => self.imbalance(flow, old.time, &old.pressure),
-        };
-        self.known = [None, Some((old.time, start.clone()))];
-        start
+        }
     }
 
     /// Root mean square over the volume of the filtered error.
@@ -109,7 +100,7 @@ impl<const D: usize> Implicit<D> {
         }
         report.flows = weigh(flow, &[(dt, &trial.pressure, time, &end)]);
         close_fixed(model, flow, &mut report.flows, &step);
-        self.known[0] = Some((time, end));
+        trial.memory.imbalance = Some(Timed { time, values: end });
         Ok(report)
     }
 
@@ -168,7 +159,10 @@ impl<const D: usize> Implicit<D> {
         ];
         report.flows = weigh(flow, &stages);
         close_fixed(model, flow, &mut report.flows, &trial.since(old));
-        self.known[0] = Some((end_time, end));
+        trial.memory.imbalance = Some(Timed {
+            time: end_time,
+            values: end,
+        });
         Ok(report)
     }
 
@@ -231,6 +225,10 @@ impl<const D: usize> Scheme<D> for Implicit<D> {
         &self.name
     }
 
+    fn recall(&mut self, memory: &Memory) {
+        self.stage.recall(memory);
+    }
+
     fn local_order(&self) -> f64 {
         match self.integrator {
             Integrator::BackwardEuler => 2.0,
@@ -238,8 +236,7 @@ impl<const D: usize> Scheme<D> for Implicit<D> {
         }
     }
 
-    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
-        let model = &*model;
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         if !model
             .coupling
             .as_ref()
@@ -248,28 +245,25 @@ impl<const D: usize> Scheme<D> for Implicit<D> {
             return Ok(());
         }
         self.stage.start(model, state)?;
-        self.known = [None, None];
+        self.stage.remember(&mut state.memory);
         Ok(())
     }
 
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
-        let model = &*model;
+        self.recall(&old.memory);
         let report = match self.integrator {
             Integrator::BackwardEuler => self.backward_euler(model, old, dt, trial),
             Integrator::TrBdf2 => self.tr_bdf2(model, old, dt, trial),
         }?;
         trial.check()?;
+        self.stage.remember(&mut trial.memory);
         Ok(report)
-    }
-
-    fn accept(&mut self) {
-        self.stage.accept();
     }
 
     fn counters(&self) -> SchemeCounters {

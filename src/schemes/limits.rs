@@ -3,19 +3,21 @@
 //! Eq. 63 as printed lacks the storage and bounds the eigenvalue by the five-point stencil's. Here it
 //! comes from a Lanczos iteration on C^(−1/2) L C^(−1/2), good to a fraction of a per cent.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, SymmetricEigen};
 use perifrac_solvers::{dot, multiply, norm2};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::model::FlowModel;
 
 /// A stability limit and where it comes from.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepLimit {
     /// Largest stable step, s.
     pub dt: f64,
     /// What limits it.
-    pub reason: &'static str,
+    pub reason: Cow<'static, str>,
     /// The point with the fastest exchange.
     pub point: usize,
     /// Its position, m.
@@ -42,7 +44,7 @@ pub fn lagged_limit<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> Ste
     let (point, bound) = fastest_exchange(flow, storage);
     StepLimit {
         reason: "a tenth of the diffusion limit (Eq. 63 with storage and the compliance of fractures), so that \
-                 swings of lagging strain fade",
+                 swings of lagging strain fade".into(),
         ..at(flow, point, SWINGS * bound)
     }
 }
@@ -54,7 +56,7 @@ fn at<const D: usize>(flow: &FlowModel<D>, point: usize, largest: f64) -> StepLi
     let position = flow.operator.neighbourhood().cloud.position[point];
     StepLimit {
         dt: 2.0 / largest,
-        reason: "diffusion (Eq. 63 with storage and the operator's own eigenvalue)",
+        reason: "diffusion (Eq. 63 with storage and the operator's own eigenvalue)".into(),
         point,
         position: position.iter().copied().collect(),
     }

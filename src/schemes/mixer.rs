@@ -3,26 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use perifrac_solvers::dot;
 
+use super::memory::Guess;
 use crate::plan::Acceleration;
-
-/// Pressure change and strain content of one pass.
-#[derive(Debug, Clone)]
-pub struct Guess {
-    /// Pa, shape `(n,)`.
-    pub pressure: Vec<f64>,
-    /// Pore volume gained by strain, m^D, shape `(n,)`.
-    pub content: Vec<f64>,
-}
-
-impl Guess {
-    /// No change at all.
-    pub fn none(points: usize) -> Self {
-        Guess {
-            pressure: vec![0.0; points],
-            content: vec![0.0; points],
-        }
-    }
-}
 
 /// Passes that Anderson's method remembers.
 const DEPTH: usize = 5;

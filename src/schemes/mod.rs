@@ -14,6 +14,7 @@ mod fracture;
 mod implicit;
 mod layout;
 mod limits;
+mod memory;
 mod mixer;
 mod monolithic;
 mod quasi_static;
@@ -30,6 +31,7 @@ mod undrained;
 mod verlet;
 
 use perifrac_solvers::SolverCounters;
+use serde::{Deserialize, Serialize};
 
 pub use build::build;
 pub use control::StepControl;
@@ -39,6 +41,7 @@ pub use fracture::{Fracture, FractureFlowStep, LaggedFracture};
 pub use implicit::Implicit;
 pub use layout::BlockMatrix;
 pub use limits::{StepLimit, diffusion_limit};
+pub use memory::{Lag, Memory};
 pub use monolithic::Monolithic;
 pub use quasi_static::{QuasiStatic, advance, growth};
 pub use relaxation::Relaxation;
@@ -75,7 +78,7 @@ pub struct StepReport {
 }
 
 /// Work done by a scheme.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SchemeCounters {
     /// Products with an operator.
     pub products: u64,
@@ -124,8 +127,10 @@ impl SchemeCounters {
     }
 }
 
-/// A time scheme. `old` is never changed and `trial` is dropped on rejection, so a failed step
-/// cannot corrupt a run.
+/// A time scheme.
+///
+/// A step is a function of the model, the state it starts from and its length: what a scheme learns is part
+/// of the state it leads to, so a rejected trial leaves no trace.
 pub trait Scheme<const D: usize>: Send {
     /// Name as on the command line, with the integrator.
     fn name(&self) -> &str;
@@ -142,25 +147,24 @@ pub trait Scheme<const D: usize>: Send {
     ///
     /// # Errors
     /// [`StepError`].
-    fn start(&mut self, _model: &mut Model<D>, _state: &mut State) -> Result<(), StepError> {
+    fn start(&mut self, _model: &Model<D>, _state: &mut State) -> Result<(), StepError> {
         Ok(())
     }
 
-    /// One step of `dt` seconds from `old` into `trial`. Coefficients of the model that depend on the
-    /// state are those of `trial` afterwards.
+    /// Goes on from an accepted state; every step begins with it.
+    fn recall(&mut self, memory: &Memory);
+
+    /// One step of `dt` seconds from `old` into `trial`.
     ///
     /// # Errors
     /// [`StepError`]; `trial` is then of no use.
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError>;
-
-    /// The last trial became part of the run; what a scheme learns from it, it learns here.
-    fn accept(&mut self) {}
 
     /// Work done so far.
     fn counters(&self) -> SchemeCounters;
@@ -181,7 +185,7 @@ fn flow_of<const D: usize>(model: &Model<D>) -> Result<&FlowModel<D>, StepError>
 
 /// The mechanical part of a model.
 fn solid_of<const D: usize>(model: &Model<D>) -> Result<&SolidModel<D>, StepError> {
-    model.solid.as_ref().ok_or(StepError::Missing {
+    model.solid.as_deref().ok_or(StepError::Missing {
         part: "[mechanics]",
     })
 }

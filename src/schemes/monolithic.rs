@@ -15,9 +15,9 @@ use perifrac_solvers::{
 use super::layout::BlockMatrix;
 use super::solid::{Border, Chosen, build_solver, corner, ratio, volume_stiffness};
 use super::stage::{Stage, Target};
-use super::system::{FILTERED, SAME};
+use super::system::{FILTERED, kept_if_same};
 use super::{
-    Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of, solid_of,
+    Increment, Memory, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of, solid_of,
 };
 use crate::model::{Drive, Model, SolidModel};
 
@@ -28,6 +28,8 @@ pub struct Monolithic {
     block: BlockMatrix,
     border: Border,
     coefficient: Option<f64>,
+    /// Coefficient at the start of the step, which stays as long as it is wanted.
+    kept: Option<f64>,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
 }
@@ -70,6 +72,7 @@ impl Monolithic {
             block,
             border: Border::default(),
             coefficient: None,
+            kept: None,
             leak: flow_of(model)?.leak(),
         })
     }
@@ -267,11 +270,13 @@ impl<const D: usize> Stage<D> for Monolithic {
     }
 
     fn prepare(&mut self, model: &Model<D>, a: f64) -> Result<(), StepError> {
-        let same = |old: f64| (old - a).abs() <= SAME * a.abs();
-        if self.coefficient.is_some_and(same) {
+        let a = kept_if_same(self.kept, a);
+        let is_current = |own: f64| own.to_bits() == a.to_bits();
+        if self.coefficient.is_some_and(is_current) {
             return Ok(());
         }
         self.coefficient = None;
+        self.solver.begin_anew();
         let flow = flow_of(model)?;
         model.timers.time("assembly", || self.block.fill(flow, a));
         self.solver.refresh(self.block.matrix.view())?;
@@ -344,6 +349,14 @@ impl<const D: usize> Stage<D> for Monolithic {
         };
         self.improve(solid, &defect, FILTERED, &mut x, report)?;
         Ok(x.pressure)
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        self.kept = memory.coefficient;
+    }
+
+    fn remember(&self, memory: &mut Memory) {
+        memory.coefficient = self.coefficient;
     }
 
     /// One stage in which nothing flows.

@@ -1,7 +1,7 @@
 //! Mechanics alone without inertia: equilibrium at every time.
 
 use super::solid::SolidSolver;
-use super::{Scheme, SchemeCounters, State, StepError, StepReport};
+use super::{Memory, Scheme, SchemeCounters, State, StepError, StepReport};
 use crate::model::Model;
 
 /// Equilibrium at the end of every step.
@@ -51,26 +51,31 @@ impl<const D: usize> Scheme<D> for QuasiStatic<D> {
         1.0
     }
 
-    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
-        let model = &*model;
+    fn recall(&mut self, memory: &Memory) {
+        self.solid.recall(memory);
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         self.solid.equilibrate(model, state)?;
         advance(model, state);
+        self.solid.remember(&mut state.memory);
         Ok(())
     }
 
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
-        let model = &*model;
+        self.recall(&old.memory);
         trial.clone_from(old);
         trial.time = old.time + dt;
         let iterations = self.solid.equilibrate(model, trial)?;
         trial.check()?;
         advance(model, trial);
+        self.solid.remember(&mut trial.memory);
         Ok(StepReport {
             growth: growth(model, old, trial),
             iterations,

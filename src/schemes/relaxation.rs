@@ -8,7 +8,7 @@ use perifrac_solvers::{SolveError, dot, interrupted, norm2};
 use rayon::prelude::*;
 
 use super::solid::SolidSolver;
-use super::{SchemeCounters, State, StepError, solid_of};
+use super::{Memory, SchemeCounters, State, StepError, solid_of};
 use crate::assembly::row_of;
 use crate::model::{Coupling, Model, SolidModel};
 use crate::plan::{SchemeOptions, SolidMethod};
@@ -59,7 +59,9 @@ impl Relaxation {
             return Ok(());
         }
         self.mass = Some((solid.refills, fictitious_mass(solid)));
-        self.stiffness = vec![SOFTEST.sqrt(); solid.elastic.points()];
+        if self.stiffness.is_empty() {
+            self.stiffness = vec![SOFTEST.sqrt(); solid.elastic.points()];
+        }
         let corner = super::solid::corner(solid);
         self.plates = match corner.is_empty() {
             true => None,
@@ -306,6 +308,17 @@ impl<const D: usize> SolidSolver<D> for Relaxation {
 
     fn accuracy(&self) -> f64 {
         self.options.adr_tolerance
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        self.stiffness.clone_from(&memory.local_stiffness);
+        if let (true, Some((_, mass))) = (self.stiffness.is_empty(), &self.mass) {
+            self.stiffness.resize(mass.len(), SOFTEST.sqrt());
+        }
+    }
+
+    fn remember(&self, memory: &mut Memory) {
+        memory.local_stiffness.clone_from(&self.stiffness);
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -7,7 +7,7 @@ use perifrac_solvers::{
 };
 
 use super::timed::TimedSolver;
-use super::{SchemeCounters, State, StepError, solid_of};
+use super::{Memory, SchemeCounters, State, StepError, solid_of};
 use crate::model::{Model, SolidModel};
 use crate::report::Timers;
 
@@ -24,6 +24,12 @@ pub trait SolidSolver<const D: usize>: Send {
 
     /// Forces out of balance, relative to all forces, that it leaves.
     fn accuracy(&self) -> f64;
+
+    /// Goes on from what an accepted state remembers.
+    fn recall(&mut self, memory: &Memory);
+
+    /// Enters what the next step needs.
+    fn remember(&self, memory: &mut Memory);
 
     /// Work done so far.
     fn counters(&self) -> SchemeCounters;
@@ -218,6 +224,14 @@ impl<const D: usize> SolidSolver<D> for Assembled {
 
     fn accuracy(&self) -> f64 {
         BALANCED
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        self.largest = memory.largest_force;
+    }
+
+    fn remember(&self, memory: &mut Memory) {
+        memory.largest_force = self.largest;
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -8,7 +8,9 @@
 
 use perifrac_solvers::Demand;
 
-use super::{ImplicitSystem, Increment, SchemeCounters, State, StepError, StepReport, flow_of};
+use super::{
+    ImplicitSystem, Increment, Memory, SchemeCounters, State, StepError, StepReport, flow_of,
+};
 use crate::model::{FlowModel, Model};
 
 /// Solver of implicit stages.
@@ -54,8 +56,11 @@ pub trait Stage<const D: usize>: Send {
         Ok(())
     }
 
-    /// The last trial became part of the run.
-    fn accept(&mut self) {}
+    /// Goes on from what an accepted state remembers.
+    fn recall(&mut self, memory: &Memory);
+
+    /// Enters what the next step needs.
+    fn remember(&self, memory: &mut Memory);
 
     /// Work done so far.
     fn counters(&self) -> SchemeCounters;
@@ -104,6 +109,19 @@ impl<const D: usize> Stage<D> for FlowStage {
     fn prepare(&mut self, model: &Model<D>, a: f64) -> Result<(), StepError> {
         let flow = flow_of(model)?;
         Ok(self.system.prepare(flow, &flow.capacity, a, &[])?)
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        self.system.recall(memory);
+        match memory.guess.is_empty() {
+            true => self.last.fill(0.0),
+            false => self.last.copy_from_slice(&memory.guess),
+        }
+    }
+
+    fn remember(&self, memory: &mut Memory) {
+        self.system.remember(memory);
+        memory.guess.clone_from(&self.last);
     }
 
     fn solve(

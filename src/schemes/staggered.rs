@@ -4,14 +4,15 @@
 //! pressure will cause. Without it (β = 0, the paper's form) the iteration diverges where
 //! τ = α²/(s(λ+2μ)) > 1.
 
-use super::mixer::{Guess, Mixer};
+use super::memory::{Guess, Lag};
+use super::mixer::Mixer;
 use super::solid::SolidSolver;
 use super::stage::{Stage, Target};
 use super::stagnation::Stagnation;
 use super::undrained::undrained;
 use super::{
-    ImplicitSystem, Increment, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
-    solid_of,
+    ImplicitSystem, Increment, Memory, SchemeCounters, State, StepError, StepReport, coupling_of,
+    flow_of, solid_of,
 };
 use crate::model::{Coupling, FlowModel, Model};
 use crate::plan::{Acceleration, SchemeOptions};
@@ -49,15 +50,10 @@ enum FlowPart {
 /// What the stages of a step found: the guess for the next one.
 #[derive(Debug, Clone, Default)]
 struct Lags {
-    accepted: [Option<Lag>; 2],
-    trial: [Option<Lag>; 2],
-}
-
-/// Pressure change and strain content of a stage of a step of `dt` seconds.
-#[derive(Debug, Clone)]
-struct Lag {
-    dt: f64,
-    found: Guess,
+    /// In the last step.
+    before: [Option<Lag>; 2],
+    /// In this one.
+    now: [Option<Lag>; 2],
 }
 
 impl<const D: usize> Staggered<D> {
@@ -217,7 +213,7 @@ impl<const D: usize> Staggered<D> {
         report: &mut StepReport,
     ) -> Result<Increment, StepError> {
         let mut state = target.base.clone();
-        let mut guess = match &self.lags.accepted[target.slot] {
+        let mut guess = match &self.lags.before[target.slot] {
             Some(lag) => lag.scaled(target.dt),
             None => {
                 let pressure = vec![0.0; rhs.len()];
@@ -251,7 +247,7 @@ impl<const D: usize> Staggered<D> {
                 report.unsettled = Some(self.unsettled(model, target.dt, (&guess, &found))?);
             }
             if left <= self.allowed(stuck) * scale || once && left.is_finite() {
-                self.lags.trial[target.slot] = Some(Lag {
+                self.lags.now[target.slot] = Some(Lag {
                     dt: target.dt,
                     found,
                 });
@@ -312,7 +308,7 @@ impl<const D: usize> Staggered<D> {
     /// fields agree or are seen to diverge.
     fn passes_once(&self, slot: usize) -> bool {
         match self.flow {
-            _ if self.is_paper() => self.lags.accepted[slot].is_some(),
+            _ if self.is_paper() => self.lags.before[slot].is_some(),
             FlowPart::Pointwise { once } => once,
             FlowPart::System(_) => false,
         }
@@ -393,17 +389,6 @@ const ROUNDING: f64 = 1e-5;
 /// Growth of the disagreement over all passes that counts as divergence.
 const GROWTH: f64 = 1e6;
 
-impl Lag {
-    fn scaled(&self, dt: f64) -> Guess {
-        let share = if self.dt > 0.0 { dt / self.dt } else { 0.0 };
-        let scale = |values: &[f64]| values.iter().map(|value| share * value).collect();
-        Guess {
-            pressure: scale(&self.found.pressure),
-            content: scale(&self.found.content),
-        }
-    }
-}
-
 impl<const D: usize> Stage<D> for Staggered<D> {
     fn name(&self) -> &'static str {
         self.name
@@ -446,11 +431,26 @@ impl<const D: usize> Stage<D> for Staggered<D> {
         let still = vec![0.0; state.pressure.len()];
         let step = self.iterate(model, &target, &still, &mut StepReport::default())?;
         state.set_sum(&base, 1.0, &step);
+        // A stage without a length is no guess for one that has a length.
+        self.lags.now = [None, None];
         Ok(())
     }
 
-    fn accept(&mut self) {
-        self.lags.accepted = std::mem::take(&mut self.lags.trial);
+    fn recall(&mut self, memory: &Memory) {
+        self.lags.before.clone_from(&memory.lags);
+        self.lags.now = [None, None];
+        self.solid.recall(memory);
+        if let FlowPart::System(system) = &mut self.flow {
+            system.recall(memory);
+        }
+    }
+
+    fn remember(&self, memory: &mut Memory) {
+        memory.lags.clone_from(&self.lags.now);
+        self.solid.remember(memory);
+        if let FlowPart::System(system) = &self.flow {
+            system.remember(memory);
+        }
     }
 
     /// The flow matrix of the split alone: its storage is close to the undrained one.

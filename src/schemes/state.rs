@@ -1,7 +1,9 @@
 //! The fields of a run, and their changes in a step.
 
-use super::StepError;
-use crate::model::Model;
+use std::sync::Arc;
+
+use super::{Memory, StepError};
+use crate::model::{Coefficients, Model};
 
 /// Fields of a run at one time. A field that the scene does not call for is empty.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,6 +21,10 @@ pub struct State {
     /// Largest driving energy of damage at the end of the steps so far, J/m³, shape `(n,)`; only with
     /// damage.
     pub history: Vec<f64>,
+    /// Coefficients of flow as they followed what broke; only with flow in fractures.
+    pub coefficients: Option<Arc<Coefficients>>,
+    /// What the scheme carries over to the next step.
+    pub memory: Memory,
 }
 
 /// Change of pressure, displacement and walls.
@@ -35,7 +41,7 @@ pub struct Increment {
 impl State {
     /// The fields a model calls for, at the start and before any load acts.
     pub fn initial<const D: usize>(model: &Model<D>) -> Self {
-        let solid = model.solid.as_ref();
+        let solid = model.solid.as_deref();
         let unknowns = solid.map_or(0, |solid| solid.unknowns());
         let moving = solid.filter(|solid| !solid.mass.is_empty());
         State {
@@ -50,6 +56,8 @@ impl State {
             history: solid
                 .and_then(|solid| solid.damage.as_ref())
                 .map_or_else(Vec::new, |damage| damage.initial.clone()),
+            coefficients: model.coefficients(),
+            memory: Memory::default(),
         }
     }
 

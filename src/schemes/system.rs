@@ -7,7 +7,7 @@ use perifrac_solvers::{
 use crate::model::FlowModel;
 
 use super::solid::{Chosen, build_solver, ratio};
-use super::{StepError, StepReport};
+use super::{Memory, StepError, StepReport};
 
 /// Solver of (S + a L) x = b with rows of fixed points replaced by the identity. S is the capacity of
 /// the points, with what a fixed-stress split adds to it.
@@ -16,6 +16,10 @@ pub struct ImplicitSystem {
     chosen: Chosen,
     values: Vec<f64>,
     coefficient: Option<f64>,
+    /// Coefficient at the start of the step, which stays as long as it is wanted.
+    kept: Option<f64>,
+    /// Whether preconditioners may lag behind until [`ImplicitSystem::begin_anew`].
+    lags: bool,
     /// What the diagonal stores, shape `(n,)`, m^D/Pa; zero for a steady state.
     storage: Vec<f64>,
     /// Whether the stabilising storage is part of the matrix.
@@ -41,10 +45,16 @@ const LEAST: f64 = 0.1;
 /// Residual of an error estimate: a step changes by less than a thousandth of this.
 pub(super) const FILTERED: f64 = 1e-4;
 /// Relative change of the coefficient that keeps a factor.
-pub(super) const SAME: f64 = 1e-12;
+const SAME: f64 = 1e-12;
 /// Residual, relative to the right-hand side, beyond which a solution is refused. At contrasts of 1e12
 /// the resolution of the pressure itself leaves 1e-6; the mass balance of the report tells.
 const ACCEPTED: f64 = 1e-5;
+
+/// The coefficient of the step before where that is as good as the wanted one: its factor can stay.
+pub(super) fn kept_if_same(kept: Option<f64>, wanted: f64) -> f64 {
+    let same = |old: &f64| (old - wanted).abs() <= SAME * wanted.abs();
+    kept.filter(same).unwrap_or(wanted)
+}
 
 impl ImplicitSystem {
     /// Chooses and analyses the solver once.
@@ -70,6 +80,8 @@ impl ImplicitSystem {
             chosen,
             values,
             coefficient: None,
+            kept: None,
+            lags: false,
             storage: vec![0.0; flow.points()],
             stabilised: false,
             leak: flow.leak(),
@@ -96,8 +108,25 @@ impl ImplicitSystem {
     /// Makes the next [`ImplicitSystem::prepare`] fill the matrix anew, because L, the storage or the
     /// conductance to the sides have changed.
     pub fn forget<const D: usize>(&mut self, flow: &FlowModel<D>) {
-        self.coefficient = None;
+        (self.coefficient, self.kept) = (None, None);
         self.leak = flow.leak();
+    }
+
+    /// Lets preconditioners lag behind the matrix until the next call, which a step begins with: what it
+    /// finds must not depend on the steps before.
+    pub fn begin_anew(&mut self) {
+        self.lags = true;
+        self.solver.begin_anew();
+    }
+
+    /// Goes on from an accepted state.
+    pub fn recall(&mut self, memory: &Memory) {
+        self.kept = memory.coefficient;
+    }
+
+    /// Enters what the next step needs.
+    pub fn remember(&self, memory: &mut Memory) {
+        memory.coefficient = self.coefficient;
     }
 
     /// Makes the matrix S + a L the current one for `storage` (shape `(n,)`, m^D/Pa); `ground` rows get
@@ -112,11 +141,15 @@ impl ImplicitSystem {
         a: f64,
         ground: &[usize],
     ) -> Result<(), SolveError> {
-        let same = |old: f64| (old - a).abs() <= SAME * a.abs();
-        if ground.is_empty() && self.coefficient.is_some_and(same) {
+        let a = kept_if_same(self.kept, a);
+        let is_current = |own: f64| own.to_bits() == a.to_bits();
+        if ground.is_empty() && self.coefficient.is_some_and(is_current) {
             return Ok(());
         }
         self.coefficient = None;
+        if !self.lags {
+            self.solver.begin_anew();
+        }
         (flow.timers.clone()).time("assembly", || self.fill(flow, storage, a, ground));
         self.solver.refresh(flow.view(&self.values))?;
         self.coefficient = Some(a);

@@ -37,6 +37,10 @@ impl LinearSolver for TimedSolver {
         self.timers.time("factor", || solver.refresh(matrix))
     }
 
+    fn begin_anew(&mut self) {
+        self.solver.begin_anew();
+    }
+
     fn solve_to(
         &mut self,
         matrix: CsrView<'_>,

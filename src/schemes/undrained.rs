@@ -2,7 +2,8 @@
 
 use perifrac_solvers::norm2;
 
-use super::mixer::{Guess, Mixer};
+use super::memory::Guess;
+use super::mixer::Mixer;
 use super::solid::SolidSolver;
 use super::{State, StepError, coupling_of, flow_of};
 use crate::model::Model;

@@ -3,9 +3,10 @@
 //! Positions at the end of the step are known before the forces there, so the pressure can take the
 //! strain of this very step (Eq. 62 as printed), and nothing lags.
 
+use super::memory::Timed;
 use super::{
-    ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepLimit, StepReport, flow_of,
-    solid_of,
+    ImplicitSystem, Memory, Scheme, SchemeCounters, State, StepError, StepLimit, StepReport,
+    flow_of, solid_of,
 };
 use crate::model::{Model, SolidModel};
 
@@ -15,7 +16,6 @@ pub struct Verlet {
     name: &'static str,
     /// Implicit flow, if the scheme is semi-implicit.
     flow: Option<ImplicitSystem>,
-    acceleration: Option<(f64, Vec<f64>)>,
     products: u64,
 }
 
@@ -46,7 +46,6 @@ impl Verlet {
                 (Some(_), Some(_)) => "semi-implicit (backward-euler, verlet)",
             },
             flow,
-            acceleration: None,
             products: 0,
         })
     }
@@ -151,7 +150,7 @@ fn wave_limit<const D: usize>(model: &Model<D>, solid: &SolidModel<D>) -> StepLi
         .unwrap_or(0);
     StepLimit {
         dt: step(point),
-        reason: "waves (Eqs. 60 and 61, undrained modulus)",
+        reason: "waves (Eqs. 60 and 61, undrained modulus)".into(),
         point,
         position: cloud.position[point].iter().copied().collect(),
     }
@@ -160,6 +159,12 @@ fn wave_limit<const D: usize>(model: &Model<D>, solid: &SolidModel<D>) -> StepLi
 impl<const D: usize> Scheme<D> for Verlet {
     fn name(&self) -> &str {
         self.name
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        if let Some(system) = &mut self.flow {
+            system.recall(memory);
+        }
     }
 
     fn local_order(&self) -> f64 {
@@ -172,20 +177,17 @@ impl<const D: usize> Scheme<D> for Verlet {
 
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
-        let model = &*model;
+        Scheme::<D>::recall(self, &old.memory);
         let solid = solid_of(model)?;
         let mut report = StepReport::default();
-        let known = self
-            .acceleration
-            .take()
-            .filter(|(time, _)| time.to_bits() == old.time.to_bits());
-        let start = match known {
-            Some((_, acceleration)) => acceleration,
+        let known = old.memory.acceleration.as_ref();
+        let start = match known.and_then(|known| known.at(old.time)) {
+            Some(acceleration) => acceleration.to_vec(),
             None => self.accelerations(model, solid, old),
         };
         trial.clone_from(old);
@@ -208,7 +210,13 @@ impl<const D: usize> Scheme<D> for Verlet {
             .zip(&end)
             .for_each(|(v, a)| *v += 0.5 * dt * a);
         trial.check()?;
-        self.acceleration = Some((trial.time, end));
+        trial.memory.acceleration = Some(Timed {
+            time: trial.time,
+            values: end,
+        });
+        if let Some(system) = &self.flow {
+            system.remember(&mut trial.memory);
+        }
         Ok(report)
     }
 

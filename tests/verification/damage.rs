@@ -54,11 +54,8 @@ fn a_bar_follows_the_closed_form_to_its_peak() {
             "{share}: {stress} {exact}"
         );
         assert!(share < 1.0 || (stress / strength - 1.0).abs() < 1e-5);
-        let damage = model::<2>(&plan_of(BAR, &[&pull]))
-            .solid
-            .unwrap()
-            .damage
-            .unwrap();
+        let solid = model::<2>(&plan_of(BAR, &[&pull])).solid.unwrap();
+        let damage = solid.damage.as_ref().unwrap();
         let found = damage.of(&state.history);
         let expected = half / (1.0 + half);
         assert!(

@@ -62,7 +62,7 @@ fn noise(count: usize) -> Vec<f64> {
         .collect()
 }
 
-fn solid<const D: usize>(plan: &Plan) -> SolidModel<D> {
+fn solid<const D: usize>(plan: &Plan) -> std::sync::Arc<SolidModel<D>> {
     model(plan).solid.unwrap()
 }
 

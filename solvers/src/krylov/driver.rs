@@ -365,6 +365,10 @@ impl LinearSolver for Krylov {
         Ok(())
     }
 
+    fn begin_anew(&mut self) {
+        self.preconditioner.begin_anew();
+    }
+
     fn solve_to(
         &mut self,
         matrix: CsrView<'_>,

@@ -173,6 +173,11 @@ impl Engine {
         })
     }
 
+    /// Keeps no aggregates of an earlier matrix in the next set-up.
+    pub(crate) fn begin_anew(&mut self) {
+        self.aggregates.fresh = None;
+    }
+
     /// Flags that nothing has read, looked for once at each of the two stages.
     fn missed(&mut self, flags: &Flags, stage: usize) -> Result<Vec<String>, PetscError> {
         if std::mem::replace(&mut self.checked[stage], true) {

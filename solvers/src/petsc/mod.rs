@@ -272,6 +272,18 @@ impl LinearSolver for Petsc {
         Ok(())
     }
 
+    fn begin_anew(&mut self) {
+        let flags = self.flags.clone();
+        if let Ok(work) = self.work() {
+            let engine = &mut work.engine;
+            // Without a session there is no work, so nothing is lost with the error.
+            let _ = engine::on_thread(&flags, |session| {
+                engine.get(session).begin_anew();
+                Ok(())
+            });
+        }
+    }
+
     fn solve_to(
         &mut self,
         matrix: CsrView<'_>,

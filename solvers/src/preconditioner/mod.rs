@@ -49,6 +49,9 @@ pub(crate) trait Preconditioner: Send {
         Ok(())
     }
 
+    /// Drops what belongs to earlier matrices: the next refresh builds all of it.
+    fn begin_anew(&mut self) {}
+
     /// Told how many iterations a finished solve took.
     fn observe(&mut self, _iterations: usize) {}
 

@@ -239,6 +239,13 @@ impl Preconditioner for SchurBlocks {
         parts.schur_amg.renew(parts.schur.view())
     }
 
+    fn begin_anew(&mut self) {
+        if let Some(parts) = &mut self.parts {
+            parts.stiffness_amg.begin_anew();
+            parts.schur_amg.begin_anew();
+        }
+    }
+
     fn observe(&mut self, iterations: usize) {
         if let Some(parts) = &mut self.parts {
             parts.stiffness_amg.observe(iterations);

@@ -80,6 +80,10 @@ impl Preconditioner for Stale {
         Ok(())
     }
 
+    fn begin_anew(&mut self) {
+        self.age = Age::Absent;
+    }
+
     fn observe(&mut self, iterations: usize) {
         if self.age == Age::Old && iterations > self.refactor_above {
             self.age = Age::Worn;

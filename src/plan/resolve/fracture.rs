@@ -89,7 +89,6 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
         },
         tolerance: damage.tolerance.value(),
         iterations: usize::try_from(damage.iterations.value).unwrap_or(usize::MAX),
-        resting_growth: damage.resting_growth.value(),
         largest_increment: damage.largest_increment.value(),
         shortest_step: damage
             .shortest_step

@@ -254,7 +254,6 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
         method: DamageMethod::Alternate,
         tolerance: 1e-5,
         iterations: 1000,
-        resting_growth: 3e-4,
         largest_increment: 0.3,
         shortest_step: 0.1,
     };

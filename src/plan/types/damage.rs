@@ -23,9 +23,6 @@ pub struct DamagePlan {
     pub tolerance: f64,
     /// Largest number of iterations of a step.
     pub iterations: usize,
-    /// Growth of damage in one step below which a point rests: its law is evaluated at the end of the
-    /// step only.
-    pub resting_growth: f64,
     /// Growth of damage at a point, in one step, above which an adaptive step is cut.
     pub largest_increment: f64,
     /// Shortest adaptive step, s: growth that goes on in it is accepted however fast it is.

@@ -34,7 +34,6 @@ method = "newton"
 tolerance = 1e-6
 iterations = 50
 largest_increment = 0.2
-resting_growth = 1e-4
 shortest_step = "1 ms"
 [fracture_flow]
 aperture = "mean"
@@ -180,12 +179,6 @@ fn damage_rules() {
                 "largest_increment = 1.5",
                 "`largest_increment` must lie between 0.001 and 1, found 1.5",
                 "1.5",
-            ),
-            (
-                "resting_growth = 1e-4",
-                "resting_growth = 0.1",
-                "`resting_growth` must lie between 0 and 0.01, found 0.1",
-                "0.1",
             ),
             (
                 "\"1 ms\"",

@@ -40,11 +40,6 @@ pub struct Damage {
     #[serde(default = "thousand")]
     #[schemars(transform = within(&ITERATIONS))]
     pub iterations: Spanned<u64>,
-    /// Growth of damage at a point, in one step, below which it is evaluated at the end of the step only;
-    /// 0 for all points all the time, and at most 30 times `tolerance`.
-    #[serde(default = "hardly")]
-    #[schemars(transform = within(&RESTING_GROWTH))]
-    pub resting_growth: Number,
     /// Growth of damage at a point, in one step, above which an adaptive step is cut.
     #[serde(default = "third")]
     #[schemars(transform = within(&LARGEST_INCREMENT))]
@@ -75,12 +70,6 @@ const ITERATIONS: Range = Range {
     low: 1.0,
     high: 1e6,
     why: "an iteration that has not found equilibrium by then never does",
-};
-const RESTING_GROWTH: Range = Range {
-    key: "resting_growth",
-    low: 0.0,
-    high: 0.01,
-    why: "points whose damage grows more than this in a step do not rest",
 };
 /// The notched square: the same peak force within 0.2 % from 1 (21 steps) to 0.01 (519 steps).
 const LARGEST_INCREMENT: Range = Range {
@@ -139,10 +128,6 @@ fn thousand() -> Spanned<u64> {
     Spanned::nowhere(1000)
 }
 
-fn hardly() -> Number {
-    Number::si(3e-4)
-}
-
 fn third() -> Number {
     Number::si(0.3)
 }
@@ -155,7 +140,6 @@ impl Section for Damage {
         RESIDUAL_STIFFNESS.check(self.residual_stiffness, report);
         TOLERANCE.check(self.tolerance, report);
         ITERATIONS.check_count(self.iterations, report);
-        RESTING_GROWTH.check(self.resting_growth, report);
         LARGEST_INCREMENT.check(self.largest_increment, report);
         let shortest = self.shortest_step;
         shortest

@@ -10,6 +10,7 @@
 use perifrac_solvers::norm2;
 
 use crate::model::Model;
+use crate::schemes::memory::Measured;
 use crate::schemes::{State, StepError, coupling_of, flow_of, solid_of};
 
 /// Push that measures it, relative to that of the loads: above what equilibrium leaves out of balance.
@@ -25,15 +26,7 @@ pub struct Compliance {
     /// Largest ratio of it to what the pores store themselves.
     pub strength: f64,
     /// What was measured, if there was a fracture yet.
-    measured: Option<Measured>,
-}
-
-#[derive(Debug)]
-struct Measured {
-    /// Storage per broken volume, 1/Pa.
-    density: f64,
-    /// Broken volume then, m^D.
-    broken: f64,
+    pub measured: Option<Measured>,
 }
 
 impl Compliance {

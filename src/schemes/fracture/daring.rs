@@ -13,7 +13,8 @@ const REST: usize = 4;
 /// Tries Newton's tangent near balance, and leaves it for a while where it failed.
 pub struct Daring {
     method: DamageMethod,
-    rest: usize,
+    /// Iterations left for which it is not tried.
+    pub rest: usize,
     /// How often it failed.
     pub failures: u64,
 }

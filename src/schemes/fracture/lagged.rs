@@ -12,10 +12,10 @@
 
 use super::compliance::Compliance;
 use super::flow::{check_scene, close};
-use super::rates::Rates;
 use crate::model::Model;
 use crate::plan::{Plan, SchemeChoice, SchemeOptions};
 use crate::schemes::limits::lagged_limit;
+use crate::schemes::memory::{Memory, Rates};
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::stage::{Stage, Target};
 use crate::schemes::{
@@ -31,8 +31,6 @@ pub struct LaggedFracture<const D: usize> {
     options: SchemeOptions,
     compliance: Compliance,
     limit: Option<StepLimit>,
-    /// Of the last trial and of the last accepted step.
-    rates: [Rates; 2],
     products: u64,
 }
 
@@ -74,7 +72,6 @@ impl<const D: usize> LaggedFracture<D> {
             passes,
             options,
             compliance: Compliance::default(),
-            rates: [Rates::default(), Rates::default()],
             products: 0,
         })
     }
@@ -97,6 +94,14 @@ impl<const D: usize> LaggedFracture<D> {
         }
         Ok(iterations)
     }
+
+    /// Enters into a state the coefficients that led to it, and what the next step needs.
+    fn remember(&self, now: &Model<D>, state: &mut State) {
+        state.coefficients = now.coefficients();
+        state.memory.compliance = self.compliance.measured;
+        state.memory.limit.clone_from(&self.limit);
+        Stage::remember(&self.passes, &mut state.memory);
+    }
 }
 
 impl<const D: usize> Scheme<D> for LaggedFracture<D> {
@@ -112,25 +117,38 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         self.limit.as_ref()
     }
 
-    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+    fn recall(&mut self, memory: &Memory) {
+        self.compliance.measured = memory.compliance;
+        if memory.limit.is_some() {
+            self.limit.clone_from(&memory.limit);
+        }
+        Stage::recall(&mut self.passes, memory);
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         self.passes.solid().equilibrate(model, state)?;
         advance(model, state);
-        self.follow(model, state)?;
+        let mut now = model.clone();
+        self.follow(&mut now, state)?;
+        self.remember(&now, state);
         Ok(())
     }
 
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        self.recall(&old.memory);
+        let mut now = model.clone();
         let mut report = StepReport {
-            iterations: self.follow(model, old)?,
+            iterations: self.follow(&mut now, old)?,
             ..StepReport::default()
         };
+        let model = &now;
         let end = old.time + dt;
         let (from, length) = match self.explicit {
             true => (old.time, 0.0),
@@ -157,14 +175,9 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         close(model, old, trial, (dt, at), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);
-        report.error = Rates::judge(&mut self.rates, model, (old, trial), dt)?;
+        report.error = Rates::judge(model, (old, trial), dt)?;
+        self.remember(model, trial);
         Ok(report)
-    }
-
-    fn accept(&mut self) {
-        Stage::accept(&mut self.passes);
-        let [trial, accepted] = &mut self.rates;
-        std::mem::swap(trial, accepted);
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -21,10 +21,10 @@ mod upkeep;
 use perifrac_solvers::{Demand, LinearSolver, Problem, dot};
 
 use super::solid::{Chosen, build_solver, mechanics_problem};
-use super::{SchemeCounters, SolidSolver, State, StepError, solid_of};
+use super::{Memory, SchemeCounters, SolidSolver, State, StepError, solid_of};
 use crate::material::Softening;
 use crate::model::{Model, SolidModel};
-use crate::operators::{Answer, Damage, Resting};
+use crate::operators::{Answer, Damage};
 use crate::plan::{DamageMethod, DamagePlan};
 use daring::Daring;
 use descent::{Reached, descend};
@@ -42,7 +42,6 @@ pub struct Fracture<const D: usize> {
     /// Whether the solver knows the matrix as it is.
     fresh: bool,
     daring: Daring,
-    resting: Resting<D>,
     /// Largest force on the solid so far, N: a scale once it is in two.
     largest: f64,
     newton: u64,
@@ -53,8 +52,6 @@ pub struct Fracture<const D: usize> {
 const FORCING: f64 = 1e-3;
 /// Share of the largest force so far that still counts as a scale.
 const REMEMBERED: f64 = 1e-2;
-/// Growth of damage below which points may rest, over the tolerance of the forces.
-const RESTING: f64 = 30.0;
 /// Change of the potential, relative to it, that is rounding error.
 const ROUNDING: f64 = 1e-14;
 
@@ -101,7 +98,6 @@ impl<const D: usize> Fracture<D> {
             tangent: TangentMatrix::new(solid),
             fresh: false,
             daring: Daring::new(plan.method),
-            resting: Resting::new(allowed_growth(&plan)),
             largest: 0.0,
             newton: 0,
             searches: 0,
@@ -114,21 +110,7 @@ impl<const D: usize> Fracture<D> {
         state: &State,
         external: &[f64],
     ) -> Result<Trial<D>, StepError> {
-        weigh(solid, state, external, &self.resting)
-    }
-
-    /// Evaluates all points, those that rest too, which go on resting from here.
-    fn settle(
-        &mut self,
-        solid: &SolidModel<D>,
-        state: &State,
-        external: &[f64],
-    ) -> Result<Trial<D>, StepError> {
-        let here = weigh(solid, state, external, &Resting::new(0.0))?;
-        let (damage, elastic) = (damage_of(solid)?, &solid.elastic);
-        self.resting
-            .settle(damage, elastic, &state.history, &here.answer);
-        Ok(here)
+        weigh(solid, state, external)
     }
 
     /// Scale of the forces, N.
@@ -189,14 +171,9 @@ impl<const D: usize> Fracture<D> {
         softening: Softening,
     ) -> Result<(), StepError> {
         let damage = damage_of(solid)?;
-        let moved = self.tangent.update(
-            solid,
-            damage,
-            &state.history,
-            &self.resting,
-            &at.answer,
-            softening,
-        );
+        let moved = self
+            .tangent
+            .update(solid, damage, &state.history, &at.answer, softening);
         self.fresh &= !moved;
         Ok(())
     }
@@ -266,21 +243,14 @@ impl<const D: usize> Fracture<D> {
     }
 }
 
-/// Growth of damage below which points rest: where forces are to balance better, more passes would begin
-/// anew than evaluations are saved.
-fn allowed_growth(plan: &DamagePlan) -> f64 {
-    plan.resting_growth.min(RESTING * plan.tolerance)
-}
-
 /// What a solid answers to the displacement of a state, and what forces that leaves.
 fn weigh<const D: usize>(
     solid: &SolidModel<D>,
     state: &State,
     external: &[f64],
-    resting: &Resting<D>,
 ) -> Result<Trial<D>, StepError> {
     let answer = solid
-        .answer_of(&state.displacement, &state.walls, &state.history, resting)
+        .answer(&state.displacement, &state.walls, &state.history)
         .ok_or(StepError::Missing { part: "[damage]" })?;
     let mut force = external.to_vec();
     solid.subtract_answer(&answer, &mut force);
@@ -329,7 +299,6 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
         }
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
-            self.resting.wake(&at.answer.stirred);
             let scale = self.scale(solid, &external, &at.answer);
             let sum: f64 = at.force.iter().map(|f| f.abs()).sum();
             let imbalance = if scale > 0.0 { sum / scale } else { sum };
@@ -337,17 +306,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
                 return Err(not_finite::<D>(&at.force, state.time));
             }
             if sum <= self.plan.tolerance * scale {
-                if self.resting.is_off() {
-                    return Ok(iterations);
-                }
-                // Points that rest have the damage of before, which is brought up to date.
-                let full = self.settle(solid, state, &external)?;
-                let left: f64 = full.force.iter().map(|f| f.abs()).sum();
-                if left <= self.plan.tolerance * scale {
-                    return Ok(iterations);
-                }
-                at = full;
-                continue;
+                return Ok(iterations);
             }
             best = best.min(imbalance);
             if pass == self.plan.iterations {
@@ -378,6 +337,20 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
         self.plan.tolerance
     }
 
+    fn recall(&mut self, memory: &Memory) {
+        self.largest = memory.largest_force;
+        self.daring.rest = memory.tangent_rest;
+        // Tangents and preconditioners lag behind within a step only.
+        self.tangent.forget();
+        self.solver.begin_anew();
+        self.fresh = false;
+    }
+
+    fn remember(&self, memory: &mut Memory) {
+        memory.largest_force = self.largest;
+        memory.tangent_rest = self.daring.rest;
+    }
+
     fn counters(&self) -> SchemeCounters {
         SchemeCounters {
             mechanics: Some(self.solver.counters().clone()),
@@ -394,7 +367,5 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
     }
 }
 
-#[cfg(test)]
-mod resting_tests;
 #[cfg(test)]
 mod tests;

@@ -1,36 +1,28 @@
 //! How fast fields changed in a step: where the next one starts, and how far backward Euler is off.
 
 use crate::model::Model;
+use crate::schemes::memory::Rates;
 use crate::schemes::{State, StepError, flow_of};
 
-/// How fast a step of `dt` seconds went.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Rates {
-    dt: f64,
-    /// m/s, shape `(n·D,)`.
-    pub displacement: Vec<f64>,
-    /// Pa/s, shape `(n,)`.
-    pressure: Vec<f64>,
-}
-
 impl Rates {
-    /// Error of the step of `dt` seconds from one state to the other, whose rates become the first of `both`;
-    /// the second are those of the last accepted step. `None` in the first step.
+    /// Error of the step of `dt` seconds from one state to the other, into which its rates are entered.
+    /// `None` in the first step.
     ///
     /// # Errors
     /// [`StepError::Missing`] without flow.
-    pub fn judge<const D: usize>(
-        both: &mut [Rates; 2],
+    pub(super) fn judge<const D: usize>(
         model: &Model<D>,
-        (old, new): (&State, &State),
+        (old, new): (&State, &mut State),
         dt: f64,
     ) -> Result<Option<f64>, StepError> {
-        let [now, last] = both;
+        let (mut now, last) = (Rates::default(), &old.memory.rates);
         now.take(old, new, dt);
         let start = &flow_of(model)?.initial;
         let pairs = new.pressure.iter().zip(start);
         let change: Vec<f64> = pairs.map(|(new, start)| new - start).collect();
-        Ok(last.error(now, &model.cloud.volume, &change))
+        let error = last.error(&now, &model.cloud.volume, &change);
+        new.memory.rates = now;
+        Ok(error)
     }
 
     /// Takes those that led from `old` to `new`.

@@ -7,7 +7,7 @@ use crate::assembly::{Moduli, fill_rows};
 use crate::geometry::{Matrix, Vector};
 use crate::material::{Softening, Tangent};
 use crate::model::SolidModel;
-use crate::operators::{Answer, Damage, Elastic, Resting};
+use crate::operators::{Answer, Damage, Elastic};
 
 /// Change of a tangent, relative to the intact moduli, below which its rows are kept.
 pub const KEPT: f64 = 1e-3;
@@ -29,6 +29,8 @@ pub struct TangentMatrix<const D: usize> {
     pub kept: f64,
     /// Families refilled so far.
     pub refilled: u64,
+    /// Whether the matrix belongs to nothing yet.
+    stale: bool,
 }
 
 struct Damaged<'a, const D: usize> {
@@ -74,7 +76,13 @@ impl<const D: usize> TangentMatrix<D> {
             drives: vec![Vector::zeros(); solid.elastic.around.families.bonds()],
             kept: KEPT,
             refilled: 0,
+            stale: true,
         }
+    }
+
+    /// Makes the next update fill all rows, so that they do not depend on earlier ones.
+    pub fn forget(&mut self) {
+        self.stale = true;
     }
 
     /// Brings the matrix to an answer; false if nothing moved.
@@ -83,14 +91,17 @@ impl<const D: usize> TangentMatrix<D> {
         solid: &SolidModel<D>,
         damage: &Damage<D>,
         history: &[f64],
-        resting: &Resting<D>,
         answer: &Answer<D>,
         softening: Softening,
     ) -> bool {
         let elastic = &solid.elastic;
-        let tangents = || damage.tangents(elastic, history, resting, answer, softening);
+        let tangents = || damage.tangents(elastic, history, answer, softening);
         let next = solid.timers.time("laws", tangents);
+        let stale = std::mem::take(&mut self.stale);
         let moved = |i: usize| {
+            if stale {
+                return true;
+            }
             let integrity = answer.hourglass[i] / self.integrity[i] - 1.0;
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
             // What is nearly gone must not keep a stiffness many times its own.

@@ -254,6 +254,11 @@ impl Preconditioner for SmoothedAggregation {
         self.build(matrix)
     }
 
+    fn begin_anew(&mut self) {
+        self.hierarchy = None;
+        self.state = State::default();
+    }
+
     fn observe(&mut self, iterations: usize) {
         let reference = *self.state.reference.get_or_insert(iterations);
         let limit = WORN * reference.max(FEW) as f64;

@@ -35,14 +35,8 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<Way, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let damage = damage_of(solid)?;
-        self.tangent.update(
-            solid,
-            damage,
-            &state.history,
-            &self.resting,
-            &at.answer,
-            softening,
-        );
+        self.tangent
+            .update(solid, damage, &state.history, &at.answer, softening);
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
             let mut displacement = vec![0.0; at.force.len()];

@@ -23,21 +23,20 @@ use perifrac_solvers::{
 };
 
 use super::acceleration::Acceleration;
-use super::allowed_growth;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
 use super::daring::Daring;
-use super::rates::Rates;
 use super::tangents::TangentMatrix;
 use super::upkeep::Upkeep;
 use crate::model::Model;
-use crate::operators::{Answer, Resting};
+use crate::operators::Answer;
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
+use crate::schemes::memory::Rates;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio, volume_stiffness};
 use crate::schemes::{
-    ImplicitSystem, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of,
-    solid_of,
+    ImplicitSystem, Memory, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of,
+    flow_of, solid_of,
 };
 pub use passes::close;
 use passes::{FORCING, SHALLOW};
@@ -55,14 +54,11 @@ pub struct FractureFlowStep<const D: usize> {
     name: String,
     /// Largest forces so far, N.
     largest: f64,
-    /// Rates of the last trial and of the last accepted step: where the next one starts.
-    rates: [Rates; 2],
     /// Residual of the linear systems: smaller where passes turn out to suffer from it.
     forcing: f64,
     upkeep: Upkeep,
     acceleration: Acceleration,
     daring: Daring,
-    resting: Resting<D>,
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
     /// What fractures yield, where fields take turns.
@@ -143,12 +139,10 @@ impl<const D: usize> FractureFlowStep<D> {
             tangent: TangentMatrix::new(solid),
             plan: damage,
             largest: 0.0,
-            rates: [Rates::default(), Rates::default()],
             forcing: FORCING,
             upkeep: Upkeep::default(),
             acceleration: Acceleration::new(SHALLOW),
             daring: Daring::new(damage.method),
-            resting: Resting::new(allowed_growth(&damage)),
             cut_above: match plan.time.step {
                 StepRule::Fixed(_) => f64::INFINITY,
                 StepRule::Adaptive => damage.shortest_step,
@@ -161,6 +155,19 @@ impl<const D: usize> FractureFlowStep<D> {
             searches: 0,
             products: 0,
         })
+    }
+}
+
+impl<const D: usize> FractureFlowStep<D> {
+    /// Enters into a state the coefficients of the model that belongs to it, and what the next step needs.
+    fn remember(&self, now: &Model<D>, state: &mut State) {
+        state.coefficients = now.coefficients();
+        let memory = &mut state.memory;
+        memory.largest_force = self.largest;
+        memory.forcing = Some(self.forcing);
+        memory.tangent_rest = self.daring.rest;
+        memory.unit = Some(self.unit);
+        memory.compliance = self.compliance.measured;
     }
 }
 
@@ -210,42 +217,54 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         2.0
     }
 
-    fn start(&mut self, model: &mut Model<D>, state: &mut State) -> Result<(), StepError> {
+    fn recall(&mut self, memory: &Memory) {
+        self.largest = memory.largest_force;
+        self.forcing = memory.forcing.unwrap_or(FORCING);
+        self.daring.rest = memory.tangent_rest;
+        self.unit = memory.unit.unwrap_or(1.0);
+        self.compliance.measured = memory.compliance;
+        // Tangents and preconditioners lag behind within a step only.
+        self.tangent.forget();
+        self.upkeep.forget();
+        self.solver.begin_anew();
+        self.flow.begin_anew();
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         if !coupling_of(model)?.undrained_start {
             return Ok(());
         }
         let old = state.clone();
-        self.solve(model, &old, 0.0, state, &mut StepReport::default())?;
-        advance(model, state);
+        let report = &mut StepReport::default();
+        let now = self.solve(model, &old, 0.0, state, report)?;
+        advance(&now, state);
+        self.remember(&now, state);
         Ok(())
     }
 
     fn step(
         &mut self,
-        model: &mut Model<D>,
+        model: &Model<D>,
         old: &State,
         dt: f64,
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
+        self.recall(&old.memory);
         let mut report = StepReport::default();
         trial.clone_from(old);
         trial.time = old.time + dt;
-        let rates = &self.rates[1].displacement;
+        let rates = &old.memory.rates.displacement;
         for (u, rate) in trial.displacement.iter_mut().zip(rates) {
             *u += dt * rate;
         }
-        self.solve(model, old, dt, trial, &mut report)?;
+        let now = self.solve(model, old, dt, trial, &mut report)?;
         trial.check()?;
-        report.error = Rates::judge(&mut self.rates, model, (old, trial), dt)?;
-        close(model, old, trial, (dt, trial), &mut report)?;
-        advance(model, trial);
-        report.growth = growth(model, old, trial);
+        report.error = Rates::judge(&now, (old, trial), dt)?;
+        close(&now, old, trial, (dt, trial), &mut report)?;
+        advance(&now, trial);
+        report.growth = growth(&now, old, trial);
+        self.remember(&now, trial);
         Ok(report)
-    }
-
-    fn accept(&mut self) {
-        let [trial, accepted] = &mut self.rates;
-        std::mem::swap(trial, accepted);
     }
 
     fn counters(&self) -> SchemeCounters {

@@ -127,27 +127,10 @@ impl<const D: usize> FractureFlowStep<D> {
         state: &State,
     ) -> Result<Trial<D>, StepError> {
         let answer = solid_of(model)?
-            .answer_of(
-                &state.displacement,
-                &state.walls,
-                &state.history,
-                &self.resting,
-            )
+            .answer(&state.displacement, &state.walls, &state.history)
             .ok_or(StepError::Missing { part: "[damage]" })?;
         self.searches += 1;
         weigh_forces(model, state, answer)
-    }
-
-    /// Evaluates all points, those that rest too, which go on resting from here.
-    fn settle(&mut self, model: &Model<D>, state: &State) -> Result<Answer<D>, StepError> {
-        let solid = solid_of(model)?;
-        let answer = solid
-            .answer(&state.displacement, &state.walls, &state.history)
-            .ok_or(StepError::Missing { part: "[damage]" })?;
-        let damage = damage_of(solid)?;
-        self.resting
-            .settle(damage, &solid.elastic, &state.history, &answer);
-        Ok(answer)
     }
 
     /// What the pores must still take up over the step, zero where the pressure is prescribed, and what
@@ -284,8 +267,22 @@ impl<const D: usize> FractureFlowStep<D> {
         pairs.for_each(|(p, own)| *p = own / self.unit);
     }
 
-    /// Passes until forces balance.
+    /// Passes until forces balance; gives the model with the coefficients that belong to the state.
     pub(super) fn solve(
+        &mut self,
+        model: &Model<D>,
+        old: &State,
+        dt: f64,
+        state: &mut State,
+        report: &mut StepReport,
+    ) -> Result<Model<D>, StepError> {
+        let mut model = model.clone();
+        self.converge(&mut model, old, dt, state, report)?;
+        Ok(model)
+    }
+
+    /// Passes until forces balance at the coefficients that the model has then.
+    fn converge(
         &mut self,
         model: &mut Model<D>,
         old: &State,
@@ -307,7 +304,6 @@ impl<const D: usize> FractureFlowStep<D> {
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
-            self.resting.wake(&found.answer.stirred);
             model.follow_fractures(&found.answer, &state.displacement, &state.walls);
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;
@@ -321,17 +317,7 @@ impl<const D: usize> FractureFlowStep<D> {
             report.passes = pass;
             report.residual = Some(imbalance);
             if imbalance <= self.plan.tolerance && owed <= watch.allowed() {
-                if self.resting.is_off() {
-                    return Ok(());
-                }
-                // Points that rest have the damage of before, which is brought up to date.
-                let full = self.settle(model, state)?;
-                let at = weigh_forces(model, state, full)?;
-                if self.imbalance(&at, state.time)? <= self.plan.tolerance {
-                    return Ok(());
-                }
-                found = at;
-                continue;
+                return Ok(());
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
                 return Err(StepError::Runs {

@@ -1,0 +1,109 @@
+//! Coefficients of flow that follow what breaks: part of a state, not of the model.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::Model;
+use crate::boundary::Wall;
+
+/// Properties of rock and fluid at every point, as the damage and the openings of a state have them
+/// (Eqs. 40 to 46). All shapes `(n,)`.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Coefficients {
+    /// Permeability, m².
+    pub permeability: Vec<f64>,
+    /// K/μ, m²/(Pa s).
+    pub mobility: Vec<f64>,
+    /// V s, m^D/Pa.
+    pub capacity: Vec<f64>,
+    /// V α, m^D.
+    pub biot: Vec<f64>,
+    /// Opening, m; 0 where the rock is intact.
+    pub aperture: Vec<f64>,
+    /// Values of L that belong to the mobility; filled anew where they are absent, as after a restart.
+    #[serde(skip)]
+    conductance: Vec<f64>,
+    /// Sides of prescribed pressure at the mobility.
+    #[serde(skip)]
+    walls: Vec<Wall>,
+}
+
+impl PartialEq for Coefficients {
+    /// What follows from the mobility is not compared.
+    fn eq(&self, other: &Self) -> bool {
+        let fields = |own: &Self| {
+            let Coefficients {
+                permeability,
+                mobility,
+                capacity,
+                biot,
+                aperture,
+                ..
+            } = own.clone();
+            [permeability, mobility, capacity, biot, aperture]
+        };
+        fields(self) == fields(other)
+    }
+}
+
+impl Coefficients {
+    /// Bytes of the fields.
+    pub fn bytes(&self) -> usize {
+        8 * 5 * self.permeability.len()
+    }
+}
+
+impl<const D: usize> Model<D> {
+    /// Coefficients as this model has them; `None` where they follow nothing.
+    pub fn coefficients(&self) -> Option<Arc<Coefficients>> {
+        let (fracture, flow) = (self.fracture_flow.as_ref()?, self.flow.as_ref()?);
+        Some(Arc::new(Coefficients {
+            permeability: self.permeability.clone(),
+            mobility: flow.mobility.clone(),
+            capacity: flow.capacity.clone(),
+            biot: self.coupling.as_ref()?.divergence.weight.clone(),
+            aperture: fracture.aperture.clone(),
+            conductance: flow.conductance.clone(),
+            walls: flow.walls.clone(),
+        }))
+    }
+
+    /// This model at the coefficients of a state, if it has any.
+    pub fn at(&self, coefficients: Option<&Arc<Coefficients>>) -> Cow<'_, Self> {
+        match coefficients {
+            None => Cow::Borrowed(self),
+            Some(coefficients) => Cow::Owned(self.with(coefficients)),
+        }
+    }
+
+    /// This model with other coefficients.
+    #[must_use]
+    pub fn with(&self, coefficients: &Coefficients) -> Self {
+        let mut model = self.clone();
+        let Model {
+            fracture_flow: Some(fracture),
+            flow: Some(flow),
+            coupling: Some(coupling),
+            permeability,
+            ..
+        } = &mut model
+        else {
+            return model;
+        };
+        permeability.clone_from(&coefficients.permeability);
+        flow.mobility.clone_from(&coefficients.mobility);
+        flow.capacity.clone_from(&coefficients.capacity);
+        coupling.divergence.weight.clone_from(&coefficients.biot);
+        fracture.aperture.clone_from(&coefficients.aperture);
+        if coefficients.conductance.is_empty() {
+            flow.refill();
+            flow.follow_walls();
+        } else {
+            flow.conductance.clone_from(&coefficients.conductance);
+            flow.walls.clone_from(&coefficients.walls);
+        }
+        model
+    }
+}
