@@ -5,15 +5,13 @@ use std::path::{Path, PathBuf};
 
 use perifrac_solvers::SolveError;
 
+use super::interrupt;
 use crate::model::ModelError;
-use crate::output::OutputError;
+use crate::output::{CheckpointError, OutputError};
 use crate::run::RunError;
 use crate::scene::SceneErrors;
 use crate::schemes::StepError;
 use crate::study::StudyError;
-
-/// Exit code after a signal.
-pub const INTERRUPTED: u8 = 130;
 
 /// A failure of a verb, as told to the user.
 #[derive(Debug)]
@@ -46,7 +44,7 @@ impl Failure {
             Failure::Memory(_) | Failure::Output(_) => 1,
             Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
             Failure::Study(_) => 1,
-            Failure::Interrupted(_) => INTERRUPTED,
+            Failure::Interrupted(_) => interrupt::code(),
             Failure::Broken => 0,
         }
     }
@@ -83,7 +81,16 @@ fn run_code(error: &RunError) -> u8 {
             | StepError::LoosePlate => 3,
             _ => 4,
         },
-        RunError::Interrupted { .. } => INTERRUPTED,
+        RunError::Interrupted { .. } => interrupt::code(),
+        RunError::Checkpoint(error) => checkpoint_code(error),
+        _ => 1,
+    }
+}
+
+/// A checkpoint that is not there is a slip of the pen; one that does not fit is no basis for a run.
+fn checkpoint_code(error: &CheckpointError) -> u8 {
+    match error {
+        CheckpointError::Absent { .. } => 2,
         _ => 1,
     }
 }
@@ -102,6 +109,12 @@ impl From<SceneErrors> for Failure {
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         Failure::Run(Box::new(error))
+    }
+}
+
+impl From<CheckpointError> for Failure {
+    fn from(error: CheckpointError) -> Self {
+        RunError::Checkpoint(error).into()
     }
 }
 

@@ -11,6 +11,7 @@ mod plan;
 mod processes;
 mod progress;
 mod report;
+mod resume;
 mod run;
 mod schema;
 mod solvers;
@@ -28,7 +29,7 @@ use clap::{CommandFactory, Parser, Subcommand};
     after_help = "SCENE is a path or the name of a bundled case; `perifrac cases` lists them.\n\
                         Precedence: defaults < scene < --set < the other flags.\n\
                         Exit codes: 0 done, 1 run failed, 2 usage or no PETSc, 3 scene, \
-                        4 not converged, 130 interrupted."
+                        4 not converged, 130 interrupted,\n143 ended by SIGTERM."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -39,6 +40,8 @@ struct Cli {
 enum Verb {
     /// Run a scene and write its results
     Run(run::Args),
+    /// Go on with a run that was stopped, from its last checkpoint
+    Resume(resume::Args),
     /// Tell what a scene would run, why, and what it would cost
     Plan(plan::Args),
     /// Check a scene without running it
@@ -71,6 +74,7 @@ pub fn main() -> ExitCode {
 fn act(verb: Verb) -> Result<(), exit::Failure> {
     match verb {
         Verb::Run(args) => run::run(&args),
+        Verb::Resume(args) => resume::run(&args),
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
         Verb::Study(args) => study::run(&args),

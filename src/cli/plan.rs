@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::run::Snapshot;
 use crate::study::{self, Campaign, Options};
 
 use super::common::SceneArgs;
@@ -51,7 +52,7 @@ fn forecast(args: &Args, error: f64) -> Result<(), Failure> {
     };
     let variants = study::calibration(&subject, &options)?;
     let folder = tempfile::tempdir().map_err(study::StudyError::Program)?;
-    let interrupt = handled();
+    let interrupt = handled(&Snapshot::default());
     let mut campaign = Campaign::new(&subject, folder.path(), 1, CALIBRATION, &interrupt)?;
     let (mut runs, _) = campaign.run(&variants, &mut ())?;
     if interrupt.is_raised() {

@@ -1,12 +1,19 @@
 //! `perifrac run`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 
-use crate::output::OutputError;
-use crate::run::{Job, Settings, Summary, Writer, run_job};
+use perifrac_solvers::Team;
 
-use super::common::SceneArgs;
-use super::exit::{Failure, print, tell_of_kept};
+use crate::output::{OutputError, checkpoint};
+use crate::run::{
+    Checkpoint, CheckpointRule, Job, RunError, Settings, Snapshot, Summary, Writer, run_job,
+};
+use crate::scene::units;
+
+use super::common::{Planned, SceneArgs};
+use super::exit::{Failure, print, say, tell_of_kept};
 use super::interrupt::handled;
 use super::label::label;
 use super::processes::Processes;
@@ -22,12 +29,26 @@ pub struct Args {
     /// [default: out/CASE, followed by +SCHEME, +SOLVER and +KEY=VALUE as given]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    how: How,
+}
+
+/// How a run is done, whether it begins or goes on.
+#[derive(Debug, clap::Args)]
+pub struct How {
     /// Number of threads of each process [default: all processors, shared out]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     /// Memory that the run may need, such as 8GiB [default: what is free]
     #[arg(long, value_name = "SIZE", value_parser = memory::size)]
     memory: Option<u64>,
+    /// Wall time between two checkpoints, such as 5min, or off; one is also written when a run is
+    /// interrupted, before it fails, and at its end
+    #[arg(long, value_name = "TIME", default_value = "10min", value_parser = wall_time)]
+    checkpoint_every: WallTime,
+    /// Write a checkpoint at every output as well
+    #[arg(long)]
+    checkpoint_at_outputs: bool,
     /// Print the summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -39,11 +60,48 @@ pub struct Args {
     reject_every: Option<u64>,
 }
 
-impl Args {
+/// A wall time, or none.
+#[derive(Debug, Clone, Copy)]
+struct WallTime(Option<Duration>);
+
+fn wall_time(text: &str) -> Result<WallTime, String> {
+    if text == "off" {
+        return Ok(WallTime(None));
+    }
+    let wanted = "give a time with its unit, such as 5min or 30s, or off";
+    let (seconds, dimension) = units::parse(text).map_err(|error| format!("{error}; {wanted}"))?;
+    let is_time = dimension == Some(units::Exponents::new(0, 0, 1));
+    match is_time && seconds > 0.0 {
+        true => Duration::try_from_secs_f64(seconds)
+            .map(|every| WallTime(Some(every)))
+            .map_err(|error| format!("{error}; {wanted}")),
+        false => Err(wanted.to_owned()),
+    }
+}
+
+impl How {
     fn settings(&self) -> Settings {
         Settings {
             reject_every: self.reject_every,
+            checkpoints: self.checkpoint_every.0.map(|every| CheckpointRule {
+                every,
+                at_outputs: self.checkpoint_at_outputs,
+            }),
         }
+    }
+
+    /// Takes the threads and sees whether the memory suffices, before anything is written.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`], [`Failure::Memory`], or what the scene is refused for.
+    pub fn prepare(&self, planned: &Planned) -> Result<(), Failure> {
+        threads::set(self.threads, Processes::started().threads())?;
+        memory::check(&planned.explain()?.memory, self.memory)
+    }
+
+    /// Whether nothing but errors is told.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
     }
 }
 
@@ -51,8 +109,7 @@ impl Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let processes = Processes::started();
     let planned = args.scene.plan()?;
-    threads::set(args.threads, processes.threads())?;
-    memory::check(&planned.explain()?.memory, args.memory)?;
+    args.how.prepare(&planned)?;
     let folder = args
         .out
         .clone()
@@ -60,19 +117,38 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     check_folder(&folder)?;
     let team = processes.team()?;
     let resolved = planned.loaded.resolved_toml();
-    let mut writer = match processes.leads() {
+    let writer = match processes.leads() {
         true => Writer::create(&folder, &resolved)?,
         false => Writer::follow(&folder, &resolved),
     };
-    let interrupt = handled();
-    let mut console = Console::new(args.quiet || !processes.leads());
-    let plan = &planned.plan;
+    carry_out(&planned, &args.how, team.as_ref(), writer, None)
+}
+
+/// Runs a plan from its beginning or from a checkpoint, and tells how it went.
+///
+/// # Errors
+/// [`Failure`] of the run.
+pub fn carry_out(
+    planned: &Planned,
+    how: &How,
+    team: Option<&Arc<dyn Team>>,
+    mut writer: Writer,
+    from: Option<Checkpoint>,
+) -> Result<(), Failure> {
+    let processes = Processes::started();
+    let snapshot = Snapshot::default();
+    let interrupt = handled(&snapshot);
+    let mut console = Console::new(how.quiet || !processes.leads());
+    let (plan, base) = (&planned.plan, &planned.loaded.base_dir);
     let job = Job {
-        team: team.as_ref(),
+        team,
         writer: Some(&mut writer),
         observer: &mut console,
         interrupt: &interrupt,
-        settings: args.settings(),
+        settings: how.settings(),
+        base: base.canonicalize().unwrap_or_else(|_| base.clone()),
+        from,
+        snapshot,
     };
     let result = match plan.dimension {
         2 => run_job::<2>(plan, job),
@@ -80,15 +156,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     console.finish();
     tell_of_kept(&writer.kept());
-    let (summary, _) = result.map_err(|error| planned.failure(error))?;
+    let (summary, _) = result.map_err(|error| {
+        tell_of_checkpoint(&error, writer.folder());
+        planned.failure(error)
+    })?;
     if !processes.leads() {
         return Ok(());
     }
-    if args.json {
+    if how.json {
         let text = serde_json::to_string(&summary).unwrap_or_default();
         return print(&text);
     }
-    if args.quiet {
+    if how.quiet {
         return Ok(());
     }
     print(&format!(
@@ -96,6 +175,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         describe(&summary),
         writer.folder().display()
     ))
+}
+
+/// Says how to go on after what is no fault of the scene.
+fn tell_of_checkpoint(error: &RunError, folder: &Path) {
+    let can_go_on = matches!(error, RunError::Interrupted { .. } | RunError::Output(_));
+    if can_go_on && !checkpoint::list(folder).is_empty() {
+        say(&format!(
+            "the state is kept: go on with `perifrac resume {}`",
+            folder.display()
+        ));
+    }
 }
 
 /// A folder of its own for every variant of a case.

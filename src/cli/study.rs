@@ -8,6 +8,7 @@ use clap::builder::PossibleValuesParser;
 
 use crate::output::{FolderLock, Manifest};
 use crate::run::Interrupt;
+use crate::run::Snapshot;
 use crate::study::{self, Campaign, Options, Row, Status, Subject, Variant, Watcher};
 
 use super::common::SceneArgs;
@@ -100,7 +101,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let _lock = FolderLock::take(&folder)?;
     // Dropped before the lock is.
     let list = Manifest::go_on(&folder)?;
-    let interrupt = handled();
+    let interrupt = handled(&Snapshot::default());
     let budget = args
         .budget
         .unwrap_or(Duration::from_secs(if args.quick { 50 } else { 540 }));

@@ -46,6 +46,21 @@ impl History {
         Self::start(path.as_ref(), columns, &[])
     }
 
+    /// Continues a history up to a time, s, or starts a new one.
+    ///
+    /// # Errors
+    /// As [`History::resume`] and [`History::create`].
+    pub fn open(
+        path: impl AsRef<Path>,
+        columns: &[String],
+        until: Option<f64>,
+    ) -> Result<Self, OutputError> {
+        match until {
+            Some(until) => Self::resume(path, columns, until),
+            None => Self::create(path, columns),
+        }
+    }
+
     /// Continues an existing history, keeping the rows whose first column (the time) is at most
     /// `until`; later rows, which a resumed run computes again, are dropped. A missing file is
     /// created.

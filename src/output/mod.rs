@@ -9,6 +9,7 @@
 //! input gives the same bytes.
 
 mod atomic;
+pub mod checkpoint;
 mod error;
 mod history;
 mod lock;
@@ -20,6 +21,7 @@ mod summary;
 mod vtu;
 
 pub use atomic::write_atomically;
+pub use checkpoint::CheckpointError;
 pub use error::OutputError;
 pub use history::{History, Table};
 pub use lock::{FolderLock, LOCK};

@@ -57,6 +57,11 @@ impl Pvd {
         Ok(collection)
     }
 
+    /// Times of the outputs, s.
+    pub fn times(&self) -> Vec<f64> {
+        self.entries.iter().map(|(time, _)| *time).collect()
+    }
+
     /// Adds the output `file` at `time` (s). A path below the directory of the collection is stored
     /// relative to it, so that the results can be moved together.
     ///

@@ -9,7 +9,7 @@ mod width;
 
 pub use crate::load::Load;
 pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
-pub use files::{FileError, PointTable, check_length};
+pub use files::{FileError, PointTable, check_length, read_array};
 pub use resolve::resolve;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,

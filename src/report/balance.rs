@@ -1,6 +1,6 @@
 //! Mass balance: what came in, what went out, what is stored.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::motion::{Moment, Motion};
 use super::supply::{Ledger, Supply};
@@ -158,6 +158,80 @@ impl Balance {
 
 /// Share of the largest forces so far that still counts as their scale.
 const REMEMBERED: f64 = 1e-2;
+
+/// All that a balance holds, but for the last states of motion and ledger, which are those of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BalanceRecord {
+    sums: [f64; 6],
+    parts: [f64; 2],
+    exchanged: f64,
+    held: f64,
+    forces: f64,
+    motion: Motion,
+    ledger: Ledger,
+    found: [Option<f64>; 6],
+}
+
+impl Balance {
+    /// What a checkpoint keeps.
+    pub fn record(&self) -> BalanceRecord {
+        BalanceRecord {
+            sums: [
+                self.injected,
+                self.outflow,
+                self.fixed,
+                self.stored,
+                self.turnover,
+                self.mass,
+            ],
+            parts: self.parts,
+            exchanged: self.exchanged,
+            held: self.held,
+            forces: self.forces,
+            motion: self.motion.clone(),
+            ledger: self.ledger.clone(),
+            found: [
+                self.momentum,
+                self.energy,
+                self.potential,
+                self.kinetic,
+                self.work,
+                self.energy_error,
+            ],
+        }
+    }
+
+    /// The balance of a record, after `measure` has entered the state that it belongs to.
+    pub fn restore(record: &BalanceRecord, measure: impl FnOnce(&mut Balance)) -> Self {
+        let [injected, outflow, fixed, stored, turnover, mass] = record.sums;
+        let mut balance = Balance {
+            injected,
+            outflow,
+            fixed,
+            stored,
+            turnover,
+            mass,
+            parts: record.parts,
+            exchanged: record.exchanged,
+            held: record.held,
+            forces: record.forces,
+            motion: record.motion.clone(),
+            ledger: record.ledger.clone(),
+            ..Balance::default()
+        };
+        measure(&mut balance);
+        let [momentum, energy, potential, kinetic, work, energy_error] = record.found;
+        Balance {
+            momentum,
+            energy,
+            potential,
+            kinetic,
+            work,
+            energy_error,
+            ..balance
+        }
+    }
+}
 
 /// Fluid that moved over some time, m^D.
 #[derive(Debug, Clone, Copy, PartialEq)]

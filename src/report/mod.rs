@@ -6,7 +6,7 @@ mod motion;
 mod supply;
 mod timers;
 
-pub use balance::{Balance, Flows, Moved};
+pub use balance::{Balance, BalanceRecord, Flows, Moved};
 pub use counters::Counters;
 pub use motion::{Balanced, Moment, Motion};
 pub use supply::{Ledger, Supply};

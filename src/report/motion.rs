@@ -8,10 +8,15 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 /// Follows a body with inertia.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
+    #[serde(skip)]
     last: Option<Arc<Moment>>,
+    /// Whether the energies at the start are known.
+    begun: bool,
     /// Kinetic and elastic energy at the start, J.
     start: f64,
     /// Work since then, J.
@@ -80,7 +85,9 @@ impl Motion {
         let kinetic = now.kinetic();
         let left = match &self.last {
             None => {
-                self.start = kinetic + now.elastic;
+                if !std::mem::replace(&mut self.begun, true) {
+                    self.start = kinetic + now.elastic;
+                }
                 0.0
             }
             Some(before) => {

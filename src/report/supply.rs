@@ -7,6 +7,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 /// What the audit of energy needs of a state.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Supply {
@@ -29,8 +31,9 @@ pub struct Supply {
 }
 
 /// Follows the energy of a body without inertia.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
+    #[serde(skip)]
     last: Option<Arc<Supply>>,
     /// Energy from nowhere so far, J.
     made: f64,

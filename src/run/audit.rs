@@ -144,7 +144,12 @@ impl<const D: usize> Run<'_, D> {
 
     /// Enters the balance of forces and the energies of a state; gives the energy that came from nowhere
     /// over all that was supplied or stored.
-    fn measure_mechanics(&self, model: &Model<D>, state: &State, balance: &mut Balance) -> f64 {
+    pub(super) fn measure_mechanics(
+        &self,
+        model: &Model<D>,
+        state: &State,
+        balance: &mut Balance,
+    ) -> f64 {
         let State {
             time,
             pressure,

@@ -1,7 +1,7 @@
 //! How a run can fail.
 
 use crate::model::ModelError;
-use crate::output::OutputError;
+use crate::output::{CheckpointError, OutputError};
 use crate::schemes::StepError;
 
 /// A run that did not reach its end.
@@ -13,6 +13,9 @@ pub enum RunError {
     /// Output could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The run cannot go on from a checkpoint.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
     /// A step failed and could not be cut further.
     #[error("{scheme}: {source}{}", kept(.last_output))]
     Step {

@@ -331,7 +331,8 @@ impl<const D: usize> Run<'_, D> {
         })
     }
 
-    fn counters(&self, scheme: SchemeCounters) -> Counters {
+    /// Evaluations of the effects of this process, by name.
+    pub(super) fn evaluations(&self) -> BTreeMap<&'static str, u64> {
         let model = &self.model;
         let flow = model.flow.iter().flat_map(|flow| flow.effects.iter());
         let solid = model.solid.iter().flat_map(|solid| &solid.effects);
@@ -343,11 +344,21 @@ impl<const D: usize> Run<'_, D> {
         evaluations.extend(damage.map(|damage| ("damage", damage.evaluations())));
         let cracks = model.fracture_flow.as_ref();
         evaluations.extend(cracks.map(|cracks| ("aperture", cracks.evaluations())));
+        evaluations
+    }
+
+    fn counters(&self, scheme: SchemeCounters) -> Counters {
+        let model = &self.model;
+        let before = &self.before.evaluations;
+        let mut evaluations = self.evaluations();
+        for (name, count) in &mut evaluations {
+            *count += before.get(*name).copied().unwrap_or(0);
+        }
         Counters {
             steps: self.steps,
             rejected: self.rejections.total(),
             operator_products: scheme.products,
-            refills: model.flow.as_ref().map_or(0, FlowModel::refills),
+            refills: self.all_refills(),
             stiffness_refills: model.solid.as_ref().map_or(0, |solid| solid.refills),
             solver: scheme.solver,
             mechanics: scheme.mechanics,

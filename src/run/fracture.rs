@@ -1,6 +1,6 @@
 //! What breaks in a run: figures of every step, and those of the whole run.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::effects::vector;
 use crate::geometry::{Side, Vector};
@@ -118,19 +118,24 @@ pub fn row(fractures: &Fractures) -> Vec<f64> {
 }
 
 /// What a run with damage found.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
     /// Largest force on the wall that was driven furthest, kN.
-    #[serde(rename = "peak_force_kN", skip_serializing_if = "Option::is_none")]
+    #[serde(
+        rename = "peak_force_kN",
+        default,
+        skip_serializing_if = "Option::is_none"
+    )]
     pub peak_force: Option<f64>,
     /// Place of that wall then, mm.
     #[serde(
         rename = "peak_displacement_mm",
+        default,
         skip_serializing_if = "Option::is_none"
     )]
     pub peak_displacement: Option<f64>,
     /// Force over displacement of the first step, kN/mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness: Option<f64>,
     /// Energy that damage took, J.
     pub dissipated_energy: f64,
@@ -138,16 +143,16 @@ pub struct Results {
     pub crack_length: f64,
     /// Pressure when rock began to break, Pa: that of the crack nearest to where it broke, among the
     /// pumped ones, or without any among those of prescribed pressure.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub onset_pressure: Option<f64>,
     /// Name of that crack.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub onset_crack: Option<String>,
     /// Largest pressure where fluid is pumped in, Pa.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_injection_pressure: Option<f64>,
     /// Name of the crack that it was pumped into.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_injection_crack: Option<String>,
 }
 

@@ -1,6 +1,7 @@
 //! One run: build the model, step to the end, write what was asked for.
 
 mod audit;
+mod checkpoint;
 mod columns;
 mod crack_length;
 mod error;
@@ -8,6 +9,7 @@ mod examine;
 mod finish;
 mod fracture;
 mod rejections;
+mod restart;
 mod scale;
 mod settings;
 mod stops;
@@ -16,11 +18,12 @@ mod summary;
 mod time_loop;
 mod writer;
 
+pub use checkpoint::{Checkpoint, Record, Snapshot};
 pub use columns::openings;
 pub use error::RunError;
 pub use examine::{Examined, examine};
 pub use fracture::Results;
-pub use settings::Settings;
+pub use settings::{CheckpointRule, Settings};
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Job, Observer, Progress, run, run_job};
 pub use writer::Writer;

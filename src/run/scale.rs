@@ -5,6 +5,8 @@
 //! that comes late is resolved like one that acts from the start. Changes count, not pressures: a hydrostatic
 //! column hides no pulse.
 
+use serde::{Deserialize, Serialize};
+
 use super::finish::extremes;
 use crate::model::{FlowModel, Model};
 use crate::plan::Plan;
@@ -15,7 +17,7 @@ use crate::plan::Plan;
 const NOISE: f64 = 1e-10;
 
 /// Range and rounding of the pressure, Pa.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scale {
     /// Largest range of the changes since the start so far.
     range: f64,

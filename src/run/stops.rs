@@ -24,6 +24,7 @@ pub struct Stop {
 pub struct Stops {
     stops: std::vec::IntoIter<Stop>,
     current: Option<Stop>,
+    passed: usize,
 }
 
 impl Stops {
@@ -51,7 +52,11 @@ impl Stops {
         stops.dedup_by(|b, a| b.time - a.time <= 1e-12 * end);
         let mut stops = stops.into_iter();
         let current = stops.next();
-        Stops { stops, current }
+        Stops {
+            stops,
+            current,
+            passed: 0,
+        }
     }
 
     /// The next one, if any is left.
@@ -62,5 +67,11 @@ impl Stops {
     /// Goes on to the one after.
     pub fn pass(&mut self) {
         self.current = self.stops.next();
+        self.passed += 1;
+    }
+
+    /// How many are behind.
+    pub fn passed(&self) -> usize {
+        self.passed
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fracture::Results;
 use crate::plan::TimeMode;
@@ -161,7 +161,7 @@ pub struct CouplingReport {
 }
 
 /// Error of a field against the exact solution.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FieldError {
     /// Root mean square error relative to the range of the exact field.
     pub l2: f64,

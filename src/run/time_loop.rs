@@ -1,13 +1,16 @@
 //! The time loop.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use perifrac_solvers::{Interrupt, Team};
 
 use super::audit::Stored;
+use super::checkpoint::{Checkpoint, Saver, Snapshot};
 use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
+use super::restart::Before;
 use super::scale::Scale;
 use super::settings::Settings;
 use super::stops::{Stops, clamp};
@@ -63,11 +66,8 @@ pub fn run<const D: usize>(
     interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     let job = Job {
-        team: None,
         writer,
-        observer,
-        interrupt,
-        settings: Settings::default(),
+        ..Job::new(observer, interrupt)
     };
     run_job::<D>(plan, job)
 }
@@ -85,6 +85,28 @@ pub struct Job<'a> {
     pub interrupt: &'a Interrupt,
     /// How the run is done.
     pub settings: Settings,
+    /// Folder that paths of the scene are relative to, for checkpoints.
+    pub base: PathBuf,
+    /// Where the run goes on from; its beginning without one.
+    pub from: Option<Checkpoint>,
+    /// Takes in the state every now and then, for whoever ends the program while a step cannot be left.
+    pub snapshot: Snapshot,
+}
+
+impl<'a> Job<'a> {
+    /// A run in this process alone, without files.
+    pub fn new(observer: &'a mut dyn Observer, interrupt: &'a Interrupt) -> Self {
+        Job {
+            team: None,
+            writer: None,
+            observer,
+            interrupt,
+            settings: Settings::default(),
+            base: PathBuf::new(),
+            from: None,
+            snapshot: Snapshot::default(),
+        }
+    }
 }
 
 /// As [`run`].
@@ -98,6 +120,9 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         observer,
         interrupt,
         settings,
+        base,
+        from,
+        snapshot,
     } = job;
     let started = Instant::now();
     let mut timers = Timers::default();
@@ -133,13 +158,19 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         unsettled: 0.0,
         aside: SchemeCounters::default(),
         settings,
+        base,
+        from,
+        saver: None,
+        before: Before::default(),
+        started,
     };
+    run.saver = run.new_saver(&snapshot);
     run.start_volume = Stored::of(&run.model, &run.state).parts;
     let effort = interrupt.during(|| match plan.time.mode {
         TimeMode::Steady => run.steady(),
         TimeMode::Transient => run.transient(),
     })?;
-    let wall = started.elapsed().as_secs_f64();
+    let wall = run.wall();
     run.finish(effort, wall)
 }
 
@@ -175,12 +206,25 @@ pub(super) struct Run<'a, const D: usize> {
     /// Pressure that strain has left unsettled in the last steps, Pa: swings pass through zero.
     pub(super) unsettled: f64,
     /// Work beside that of the scheme: the step that finds the range.
-    aside: SchemeCounters,
+    pub(super) aside: SchemeCounters,
     pub(super) settings: Settings,
+    pub(super) base: PathBuf,
+    pub(super) from: Option<Checkpoint>,
+    /// Writes checkpoints, in the process that leads.
+    pub(super) saver: Option<Saver>,
+    pub(super) before: Before,
+    pub(super) started: Instant,
+}
+
+/// What the time loop goes by.
+pub(super) struct March {
+    pub scale: Scale,
+    pub control: StepControl,
+    pub stops: Stops,
 }
 
 impl<const D: usize> Run<'_, D> {
-    fn failed(&self, source: StepError) -> RunError {
+    pub(super) fn failed(&self, source: StepError) -> RunError {
         if source.is_interruption() {
             let time = self.state.time;
             return RunError::Interrupted { time };
@@ -253,23 +297,52 @@ impl<const D: usize> Run<'_, D> {
         let built = timers.time("scheme", || schemes::build(plan, &self.model));
         let mut scheme = built.map_err(|error| self.failed(error))?;
         self.scheme_name = scheme.name().to_owned();
+        let mut march = match self.from.take() {
+            None => self.begin(&mut *scheme)?,
+            Some(checkpoint) => self.go_on(&mut *scheme, &checkpoint)?,
+        };
+        if let Err(error) = self.march(&mut *scheme, &mut march) {
+            return Err(self.end_early(&*scheme, &march, error));
+        }
+        self.save_end(&*scheme, &march);
+        Ok((
+            self.effort(&*scheme),
+            scheme.solver(),
+            scheme.limit().cloned(),
+        ))
+    }
+
+    /// Brings the initial state to what the scene asks for, and finds what steps are measured by.
+    fn begin(&mut self, scheme: &mut dyn Scheme<D>) -> Result<March, RunError> {
+        let timers = self.timers.clone();
         let started = timers.time("start", || scheme.start(&self.model, &mut self.state));
         started.map_err(|error| self.failed(error))?;
         self.follow_state();
         // The start moves no fluid, but for what points of prescribed pressure take in.
         self.start_volume = Stored::of(&self.model, &self.state).parts;
         let scale = timers.time("range", || self.scale());
-        let mut scale = scale.map_err(|error| self.failed(error))?;
-        let mut control = self.control(&*scheme);
-        let mut stops = Stops::new(plan, &self.model.breakpoints());
+        let scale = scale.map_err(|error| self.failed(error))?;
+        let control = self.control(scheme);
+        let stops = Stops::new(self.plan, &self.model.breakpoints());
         let balanced = self.audit(&self.model, &StepReport::default(), &self.state);
         self.balance = balanced.map_err(|error| self.failed(error))?;
         timers.time("output", || self.first_output(&StepReport::default()))?;
+        Ok(March {
+            scale,
+            control,
+            stops,
+        })
+    }
+
+    /// Steps to the end.
+    fn march(&mut self, scheme: &mut dyn Scheme<D>, march: &mut March) -> Result<(), RunError> {
+        let timers = self.timers.clone();
         let mut trial = self.state.clone();
+        self.keep(scheme, march, false);
         let mut thrown = false;
-        while let Some(stop) = stops.next() {
+        while let Some(stop) = march.stops.next() {
             self.check_limits()?;
-            let allowed = self.allowed(&*scheme).min(control.dt());
+            let allowed = self.allowed(scheme).min(march.control.dt());
             let dt = clamp(allowed, stop.time - self.state.time);
             let step = || scheme.step(&self.model, &self.state, dt, &mut trial);
             let outcome = timers.time("steps", step);
@@ -288,7 +361,7 @@ impl<const D: usize> Run<'_, D> {
                         self.check_limits()?;
                     }
                     self.rejections.count(error.reason());
-                    if error.is_final() || !control.cut(dt, SMALLEST * plan.time.end) {
+                    if error.is_final() || !march.control.cut(dt, SMALLEST * self.plan.time.end) {
                         return Err(self.failed(error));
                     }
                     continue;
@@ -297,16 +370,16 @@ impl<const D: usize> Run<'_, D> {
             if self.is_thrown_away(&mut thrown) {
                 continue;
             }
-            let verdict = self.judged(&scale, &report, &trial, dt);
-            if !control.judge(verdict.largest(), dt) {
+            let verdict = self.judged(&march.scale, &report, &trial, dt);
+            if !march.control.judge(verdict.largest(), dt) {
                 self.rejections.count(verdict.reason());
-                self.check_smallest(control.dt())?;
+                self.check_smallest(march.control.dt())?;
                 continue;
             }
             drop(ahead);
             self.remember_lag(&report);
             if stop.output && reached {
-                let settled = self.audit_output(&scale, &trial, &balance);
+                let settled = self.audit_output(&march.scale, &trial, &balance);
                 settled.map_err(|error| self.failed(error))?;
             }
             std::mem::swap(&mut self.state, &mut trial);
@@ -314,18 +387,17 @@ impl<const D: usize> Run<'_, D> {
             self.steps += 1;
             self.balance = balance;
             if reached {
-                stops.pass();
+                march.stops.pass();
             }
-            scale.cover(&self.model, &self.state.pressure);
-            self.accepted(dt, &report, stop.output && reached)?;
+            march.scale.cover(&self.model, &self.state.pressure);
+            let output = self.accepted(dt, &report, stop.output && reached)?;
+            self.keep(scheme, march, output);
         }
-        let mut counters = scheme.counters();
-        counters.add(&self.aside);
-        Ok((counters, scheme.solver(), scheme.limit().cloned()))
+        Ok(())
     }
 
     /// Brings the model to the coefficients of the accepted state.
-    fn follow_state(&mut self) {
+    pub(super) fn follow_state(&mut self) {
         if let Some(coefficients) = &self.state.coefficients {
             self.model = self.model.with(coefficients);
         }
@@ -348,11 +420,14 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<(), RunError> {
+    /// Writes what follows an accepted step; gives whether fields were among it.
+    fn accepted(&mut self, dt: f64, report: &StepReport, output: bool) -> Result<bool, RunError> {
         let timers = self.timers.clone();
+        let mut written = false;
         timers.time("output", || {
             self.write_history(dt, report)?;
-            match output | self.has_grown() {
+            written = output | self.has_grown();
+            match written {
                 true => self.write_fields(),
                 false => Ok(()),
             }
@@ -367,7 +442,7 @@ impl<const D: usize> Run<'_, D> {
             passes: report.residual.map(|left| (report.passes, left)),
             potential: self.balance.potential,
         });
-        Ok(())
+        Ok(written)
     }
 
     /// Whether the user stopped any of the processes.
@@ -387,12 +462,9 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    fn check_limits(&mut self) -> Result<(), RunError> {
+    fn check_limits(&self) -> Result<(), RunError> {
         let time = self.state.time;
         if self.is_interrupted() {
-            if self.last_output != Some(time) {
-                self.write_fields()?;
-            }
             return Err(RunError::Interrupted { time });
         }
         if self.steps as usize >= self.plan.time.max_steps {
@@ -498,7 +570,7 @@ impl<const D: usize> Run<'_, D> {
         self.agree(written)
     }
 
-    fn write_fields(&mut self) -> Result<(), RunError> {
+    pub(super) fn write_fields(&mut self) -> Result<(), RunError> {
         self.last_output = Some(self.state.time);
         if self.state.time > 0.0 || self.plan.time.mode == TimeMode::Steady {
             self.record_errors();

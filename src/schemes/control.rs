@@ -1,9 +1,11 @@
 //! Step control: a proportional-integral controller that avoids needless changes of the step.
 
+use serde::{Deserialize, Serialize};
+
 use crate::plan::{StepRule, TimePlan};
 
 /// Chooses the next step from error estimates.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepControl {
     dt: f64,
     tolerance: f64,

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Memory, StepError};
 use crate::model::{Coefficients, Model};
 
 /// Fields of a run at one time. A field that the scene does not call for is empty.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time, s.
     pub time: f64,

@@ -16,6 +16,7 @@ use std::path::Path;
 
 pub use error::{FileError, Place, ValueFault};
 pub use order::{PermeabilityTable, check_length};
+pub use vtu::read_array;
 
 /// Points read from a file, in SI units.
 #[derive(Debug, Clone, PartialEq, Default)]

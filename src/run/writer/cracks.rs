@@ -12,6 +12,8 @@ use crate::schemes::State;
 pub struct Cracks {
     folder: PathBuf,
     tables: Vec<Option<History>>,
+    /// Time up to which tables that are there are continued, s.
+    until: Option<f64>,
     /// Distance, opening and exact opening along every crack at the last output.
     last: Vec<[Vec<f64>; 3]>,
 }
@@ -22,8 +24,14 @@ impl Cracks {
         Cracks {
             folder: folder.to_owned(),
             tables: plan.cracks.iter().map(|_| None).collect(),
+            until: None,
             last: vec![Default::default(); plan.cracks.len()],
         }
+    }
+
+    /// Goes on with tables that have rows up to a time, s.
+    pub fn resume(&mut self, until: f64) {
+        self.until = Some(until);
     }
 
     /// Adds the state at an output to the tables.
@@ -45,7 +53,10 @@ impl Cracks {
             let path = self.folder.join(format!("crack-{}.csv", crack.name));
             let table = match &mut self.tables[number] {
                 Some(table) => table,
-                None => self.tables[number].insert(History::create(path, &columns)?),
+                None => {
+                    let table = History::open(&path, &columns, self.until)?;
+                    self.tables[number].insert(table)
+                }
             };
             let jumps = openings(model, state, number);
             let distance = model.places.cracks[number]

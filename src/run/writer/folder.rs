@@ -37,6 +37,19 @@ impl Hold {
         Ok(hold)
     }
 
+    /// Locks the folder of a run that goes on.
+    ///
+    /// # Errors
+    /// [`OutputError::Busy`] if another run writes there, else why it cannot be used.
+    pub fn go_on(folder: &Path) -> Result<Self, OutputError> {
+        let lock = FolderLock::take(folder)?;
+        Ok(Hold {
+            manifest: Some(Manifest::go_on(folder)?),
+            _lock: Some(lock),
+            ..Self::follow(folder)
+        })
+    }
+
     /// The part of a further process of a run.
     pub fn follow(folder: &Path) -> Self {
         Hold {

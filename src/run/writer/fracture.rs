@@ -19,7 +19,7 @@ const SECONDS_PER_FRAME: f64 = 0.6;
 /// Damage at the outputs so far.
 #[derive(Debug, Default)]
 pub struct Film {
-    frames: Vec<(f64, Vec<f64>)>,
+    pub(super) frames: Vec<(f64, Vec<f64>)>,
 }
 
 impl Film {

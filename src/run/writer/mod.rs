@@ -7,6 +7,7 @@ mod fracture;
 mod histories;
 mod pictures;
 mod profiles;
+mod restart;
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,7 @@ use cracks::Cracks;
 use folder::Hold;
 use fracture::Film;
 use profiles::Profiles;
+pub use restart::WriterRecord;
 
 /// Writes the files of one run into its folder.
 pub struct Writer {

@@ -7,7 +7,7 @@ use crate::effects::vector;
 use crate::geometry::{Stencil, Vector};
 use crate::model::Model;
 use crate::output::{
-    History, LinePlot, LineStyle, OutputError, Series, lines_svg, plots::readable_time,
+    History, LinePlot, LineStyle, OutputError, Series, Table, lines_svg, plots::readable_time,
 };
 use crate::plan::{Plan, TimeMode, exact_displacement, exact_pressure};
 use crate::reference::{ExactDisplacement, ExactPressure};
@@ -24,6 +24,8 @@ pub struct Profiles {
     /// Outputs after the start, and how many of them have been.
     outputs: usize,
     seen: usize,
+    /// Time up to which tables that are there are continued, s.
+    until: Option<f64>,
 }
 
 /// What the plan knows exactly.
@@ -62,7 +64,36 @@ impl Profiles {
             lines: lines.collect(),
             outputs: outputs(plan),
             seen: 0,
+            until: None,
         }
+    }
+
+    /// Goes on with tables of `seen` outputs up to the time `until` (s), and with what of them is drawn.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a table cannot be read.
+    pub fn resume(&mut self, plan: &Plan, seen: usize, until: f64) -> Result<(), OutputError> {
+        (self.seen, self.until) = (seen, Some(until));
+        let drawn = |number: &usize| plan.output.plots && self.is_drawn(*number);
+        let drawn: Vec<usize> = (1..=seen).filter(drawn).collect();
+        for (line, profile) in self.lines.iter_mut().zip(&plan.output.profiles) {
+            if seen > 0 {
+                let path = self.folder.join(format!("profile-{}.csv", profile.name));
+                line.recover(&History::read(path)?, &drawn);
+            }
+        }
+        Ok(())
+    }
+
+    /// How many outputs after the start have been.
+    pub fn seen(&self) -> usize {
+        self.seen
+    }
+
+    /// Whether the output of a number, from 1, is among those that are drawn.
+    fn is_drawn(&self, number: usize) -> bool {
+        let share = |seen: usize| seen * MOST_CURVES.min(self.outputs) / self.outputs;
+        share(number) > share(number - 1)
     }
 
     /// Adds the state at an output to the tables.
@@ -79,8 +110,8 @@ impl Profiles {
             return Ok(());
         }
         self.seen += 1;
-        let share = |seen: usize| seen * MOST_CURVES.min(self.outputs) / self.outputs;
-        let drawn = plan.output.plots && share(self.seen) > share(self.seen - 1);
+        let drawn = plan.output.plots && self.is_drawn(self.seen);
+        let until = self.until;
         let exact_time = self.exact_time(plan, state);
         let profiles = plan.output.profiles.iter().zip(&model.places.profiles);
         for (line, (profile, places)) in self.lines.iter_mut().zip(profiles) {
@@ -88,7 +119,7 @@ impl Profiles {
             line.distance = places.iter().map(|x| (x.at - from).norm()).collect();
             let values = along(model, state, &self.exact, exact_time, places);
             let path = self.folder.join(format!("profile-{}.csv", profile.name));
-            line.write(&path, state.time, &values)?;
+            line.write(&path, until, state.time, &values)?;
             if drawn {
                 line.drawn.push((state.time, values));
             }
@@ -183,11 +214,34 @@ fn finite(value: f64) -> f64 {
 }
 
 impl Line {
+    /// Takes what is drawn of a table from it: the outputs of some numbers, from 1.
+    fn recover(&mut self, table: &Table, drawn: &[usize]) {
+        let mut outputs: Vec<Vec<&Vec<f64>>> = Vec::new();
+        for row in &table.rows {
+            match outputs.last_mut() {
+                Some(rows) if rows[0][0].to_bits() == row[0].to_bits() => rows.push(row),
+                _ => outputs.push(vec![row]),
+            }
+        }
+        let known = drawn.iter().filter_map(|number| outputs.get(number - 1));
+        self.drawn = known
+            .map(|rows| (rows[0][0], values_of(&table.columns, rows)))
+            .collect();
+    }
+
     /// Adds one row per place.
-    fn write(&mut self, path: &Path, time: f64, values: &[Values]) -> Result<(), OutputError> {
+    fn write(
+        &mut self,
+        path: &Path,
+        until: Option<f64>,
+        time: f64,
+        values: &[Values],
+    ) -> Result<(), OutputError> {
         let table = match &mut self.table {
             Some(table) => table,
-            None => self.table.insert(History::create(path, &headings(values))?),
+            None => self
+                .table
+                .insert(History::open(path, &headings(values), until)?),
         };
         for (k, distance) in self.distance.iter().enumerate() {
             let mut row = vec![time, *distance];
@@ -265,6 +319,25 @@ impl Line {
         };
         lines_svg(folder.join(format!("profile-{profile}{ending}.svg")), &plot)
     }
+}
+
+/// Values under the headings of a table.
+fn values_of(columns: &[String], rows: &[&Vec<f64>]) -> Vec<Values> {
+    let mut all: Vec<Values> = Vec::new();
+    for (k, column) in columns.iter().enumerate().skip(2) {
+        let numbers = rows.iter().map(|row| row[k]).collect();
+        let (name, unit) = column.rsplit_once('_').unwrap_or((column, ""));
+        match (name.strip_suffix("_exact"), all.last_mut()) {
+            (Some(_), Some(computed)) => computed.exact = Some(numbers),
+            _ => all.push(Values {
+                name: name.to_owned(),
+                unit: if unit == "Pa" { "Pa" } else { "m" },
+                computed: numbers,
+                exact: None,
+            }),
+        }
+    }
+    all
 }
 
 /// Headings of the table: `time_s`, `distance_m`, then every value with the exact one after it.

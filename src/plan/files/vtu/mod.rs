@@ -36,6 +36,33 @@ pub(super) fn read_points(path: &Path, bytes: &[u8]) -> Result<PointTable, FileE
     found.into_table(path)
 }
 
+/// Values of an array of one component per point, as this program writes it.
+///
+/// # Errors
+/// [`FileError`] if the file is no such grid or has no such array.
+pub fn read_array(path: &Path, name: &str) -> Result<Vec<f64>, FileError> {
+    let bytes = super::read_bytes(path)?;
+    let (xml, appended) = separate(path, &bytes)?;
+    let damaged = |reason: String| FileError::Damaged {
+        path: path.to_path_buf(),
+        place: None,
+        reason,
+    };
+    let document = Document::parse(utf8(path, &xml)?).map_err(|e| damaged(e.to_string()))?;
+    let file = Grid::open(path, &document, appended)?;
+    let grids = children(document.root_element(), "UnstructuredGrid");
+    let Some(piece) = grids.flat_map(|grid| children(grid, "Piece")).next() else {
+        return Err(damaged("it has no piece".to_owned()));
+    };
+    let count = piece.attribute("NumberOfPoints");
+    let count = count.and_then(|text| text.trim().parse().ok()).unwrap_or(0);
+    let mut all = arrays(piece, "PointData");
+    match all.find(|node| node.attribute("Name") == Some(name)) {
+        Some(node) => file.values(node, 1, count),
+        None => Err(damaged(format!("it has no array `{name}`"))),
+    }
+}
+
 /// Values joined from all pieces.
 #[derive(Debug, Default)]
 struct Found {

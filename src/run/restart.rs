@@ -1,0 +1,233 @@
+//! Going on from a checkpoint, and writing them.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use super::checkpoint::{Checkpoint, Course, Place, Record, Saver, Snapshot};
+use super::stops::Stops;
+use super::time_loop::{March, Run};
+use super::{RunError, TimedErrors};
+use crate::geometry::Cloud;
+use crate::report::Balance;
+use crate::schemes::{Scheme, SchemeCounters};
+
+/// Work of a run before it was stopped.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Before {
+    pub effort: SchemeCounters,
+    pub evaluations: BTreeMap<String, u64>,
+    pub refills: u64,
+    pub wall_s: f64,
+}
+
+/// Fields that have errors, by the names that they have in a summary.
+const FIELDS: [&str; 4] = ["pressure", "displacement", "opening", "flux"];
+
+impl<const D: usize> Run<'_, D> {
+    /// What writes checkpoints, where they are wanted and this process writes files.
+    pub(super) fn new_saver(&self, snapshot: &Snapshot) -> Option<Saver> {
+        let writer = self.writer.as_ref().filter(|writer| writer.leads())?;
+        Saver::new(writer.folder(), &self.settings, snapshot)
+    }
+
+    /// Wall time of the run so far, s.
+    pub(super) fn wall(&self) -> f64 {
+        self.before.wall_s + self.started.elapsed().as_secs_f64()
+    }
+
+    /// All work so far.
+    pub(super) fn effort(&self, scheme: &dyn Scheme<D>) -> SchemeCounters {
+        let mut effort = scheme.counters();
+        effort.add(&self.aside);
+        effort.add(&self.before.effort);
+        effort
+    }
+
+    fn processes(&self) -> usize {
+        let partition = self.model.share().partition();
+        partition.map_or(1, |own| own.team().size())
+    }
+
+    /// Brings a run to where it stood at a checkpoint.
+    pub(super) fn go_on(
+        &mut self,
+        scheme: &mut dyn Scheme<D>,
+        checkpoint: &Checkpoint,
+    ) -> Result<March, RunError> {
+        checkpoint.check_processes(self.processes())?;
+        checkpoint.check_cloud(&self.model.cloud)?;
+        let Record { state, course, .. } = &checkpoint.record;
+        self.state.clone_from(state);
+        self.follow_state();
+        scheme.recall(&self.state.memory);
+        let (model, state) = (&self.model, &self.state);
+        self.balance = Balance::restore(&course.balance, |balance| {
+            self.measure_mechanics(model, state, balance);
+        });
+        self.start_volume = course.start_volume;
+        self.steps = course.steps;
+        self.rejections = course.rejections;
+        self.last_output = course.last_output;
+        self.timed_errors = timed_errors(&course.errors);
+        self.tracker.results = course.results();
+        self.tracker.broken_at.clone_from(&course.broken_at);
+        self.tracker.last = super::fracture::Fractures::of(self.plan, &self.model, &self.state);
+        (self.drawn, self.pressed) = (course.drawn, course.pressed);
+        self.unsettled = course.unsettled;
+        self.warnings.clone_from(&course.warnings);
+        self.before = Before {
+            effort: course.effort.clone(),
+            evaluations: course.evaluations.clone(),
+            refills: course.refills,
+            wall_s: course.wall_s,
+        };
+        let mut stops = Stops::new(self.plan, &self.model.breakpoints());
+        (0..course.passed).for_each(|_| stops.pass());
+        if let Some(writer) = &mut self.writer {
+            let stood = (self.state.time, course.last_output);
+            let files = &checkpoint.record.files;
+            let resumed = writer.resume(self.plan, &self.model, files, stood);
+            self.agree(resumed)?;
+        }
+        Ok(March {
+            scale: course.scale,
+            control: course.control.clone(),
+            stops,
+        })
+    }
+
+    /// Everything from which the run could go on.
+    fn record(&self, scheme: &dyn Scheme<D>, march: &March) -> Option<Record> {
+        let writer = self.writer.as_ref()?;
+        let errors = |at: &TimedErrors| {
+            let all = at.errors.iter();
+            let all = all.map(|(field, error)| ((*field).to_owned(), *error));
+            (at.time, all.collect())
+        };
+        Some(Record {
+            scene: writer.resolved().to_owned(),
+            base: self.base.clone(),
+            state: self.state.clone(),
+            files: writer.record(self.plan),
+            course: Course {
+                scale: march.scale,
+                control: march.control.clone(),
+                passed: march.stops.passed(),
+                balance: self.balance.record(),
+                start_volume: self.start_volume,
+                steps: self.steps,
+                rejections: self.rejections,
+                last_output: self.last_output,
+                errors: self.timed_errors.iter().map(errors).collect(),
+                results: serde_json::to_string(&self.tracker.results).unwrap_or_default(),
+                broken_at: self.tracker.broken_at.clone(),
+                drawn: self.drawn,
+                pressed: self.pressed,
+                unsettled: self.unsettled,
+                effort: self.effort(scheme),
+                evaluations: self.all_evaluations(),
+                refills: self.all_refills(),
+                warnings: self.warnings.clone(),
+                wall_s: self.wall(),
+            },
+        })
+    }
+
+    /// Evaluations of all effects so far, by name.
+    pub(super) fn all_evaluations(&self) -> BTreeMap<String, u64> {
+        let mut all = self.before.evaluations.clone();
+        for (name, count) in self.evaluations() {
+            *all.entry(name.to_owned()).or_insert(0) += count;
+        }
+        all
+    }
+
+    /// Times that L was filled so far.
+    pub(super) fn all_refills(&self) -> u64 {
+        let own = self.model.flow.as_ref().map_or(0, |flow| flow.refills());
+        self.before.refills + own
+    }
+
+    /// After a step: writes a checkpoint where one is due, or else tells of the state now and then.
+    pub(super) fn keep(&mut self, scheme: &dyn Scheme<D>, march: &March, output: bool) {
+        let Some(saver) = &self.saver else { return };
+        if saver.is_due(output) {
+            self.save(scheme, march);
+        } else if saver.is_to_tell() {
+            let begun = Instant::now();
+            let (record, processes) = (self.record(scheme, march), self.processes());
+            let (Some(record), Some(saver)) = (record, &mut self.saver) else {
+                return;
+            };
+            saver.tell(
+                &place(self.plan, &self.model.cloud, processes),
+                &record,
+                begun,
+            );
+        }
+    }
+
+    /// Writes a checkpoint; one that cannot be written is told of, and the run goes on with the ones before.
+    fn save(&mut self, scheme: &dyn Scheme<D>, march: &March) {
+        let (record, processes) = (self.record(scheme, march), self.processes());
+        let (Some(record), Some(saver)) = (record, &mut self.saver) else {
+            return;
+        };
+        let at = place(self.plan, &self.model.cloud, processes);
+        let saved = self.timers.time("checkpoint", || saver.save(&at, &record));
+        if let Err(error) = saved {
+            let message = format!("no checkpoint could be written, those before stay: {error}");
+            self.observer.warn(&message);
+            self.warnings.push(message);
+        }
+    }
+
+    /// The last checkpoint, of a run that has reached its end: others may begin with it.
+    pub(super) fn save_end(&mut self, scheme: &dyn Scheme<D>, march: &March) {
+        if self.saver.is_some() {
+            self.save(scheme, march);
+        }
+    }
+
+    /// Keeps the state of a run that ends before its time, first of all in a checkpoint.
+    pub(super) fn end_early(
+        &mut self,
+        scheme: &dyn Scheme<D>,
+        march: &March,
+        error: RunError,
+    ) -> RunError {
+        if self.saver.is_some() {
+            self.save(scheme, march);
+        }
+        let stopped = matches!(error, RunError::Interrupted { .. });
+        // What goes on from here drops this output again.
+        if stopped && self.last_output != Some(self.state.time) {
+            return self.write_fields().err().unwrap_or(error);
+        }
+        error
+    }
+}
+
+fn place<'a, const D: usize>(
+    plan: &'a crate::plan::Plan,
+    cloud: &'a Cloud<D>,
+    processes: usize,
+) -> Place<'a, D> {
+    Place {
+        plan,
+        cloud,
+        processes,
+    }
+}
+
+fn timed_errors(all: &[(f64, Vec<(String, super::FieldError)>)]) -> Vec<TimedErrors> {
+    let named = |(name, error): &(String, super::FieldError)| {
+        let known = FIELDS.iter().find(|field| *field == name)?;
+        Some((*known, *error))
+    };
+    let at = |(time, errors): &(f64, Vec<(String, super::FieldError)>)| TimedErrors {
+        time: *time,
+        errors: errors.iter().filter_map(named).collect(),
+    };
+    all.iter().map(at).collect()
+}
