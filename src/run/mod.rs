@@ -17,7 +17,7 @@ mod writer;
 
 pub use columns::openings;
 pub use error::RunError;
-pub use examine::{Examined, examine};
+pub use examine::{Examined, examine, examine_for};
 pub use fracture::Results;
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Observer, Progress, run, run_with};

@@ -77,6 +77,8 @@ pub fn run_with<const D: usize>(
     interrupt: &Interrupt,
 ) -> Result<(Summary, State), RunError> {
     let started = Instant::now();
+    let processes = team.map_or(1, |team| team.size());
+    schemes::check(plan, processes).map_err(|error| RunError::refused(plan, error))?;
     let mut timers = Timers::default();
     timers.begin("other");
     let model = Model::<D>::build_with(plan, team, &mut timers)?;

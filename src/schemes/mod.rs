@@ -31,7 +31,7 @@ mod verlet;
 
 use perifrac_solvers::SolverCounters;
 
-pub use build::build;
+pub use build::{build, check};
 pub use control::StepControl;
 pub use error::{Conserved, Rejection, StepError};
 pub use explicit::ForwardEuler;
