@@ -46,6 +46,11 @@ impl Load {
             .all(|pair| pair[0].to_bits() == pair[1].to_bits())
     }
 
+    /// Whether the value is zero at all times.
+    pub fn is_zero(&self) -> bool {
+        self.values.iter().all(|value| value.abs() <= 0.0)
+    }
+
     /// All values of the table.
     pub fn values(&self) -> &[f64] {
         &self.values

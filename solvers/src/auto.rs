@@ -25,6 +25,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::Indefinite,
         Symmetry::General,
     ],
+    distributed: true,
     options: &[],
     build,
 };

@@ -16,6 +16,7 @@ pub(crate) const BACKEND: Backend = Backend {
     name: "faer-ldlt",
     summary: "sparse LDLT without pivoting (direct), ordering from the coordinates",
     symmetries: &[Symmetry::QuasiDefinite, Symmetry::PositiveDefinite],
+    distributed: false,
     options: &[ORDERING],
     build,
 };

@@ -11,6 +11,7 @@ pub(crate) const BACKEND: Backend = Backend {
     name: "faer-llt",
     summary: "sparse Cholesky (direct), ordering from the coordinates",
     symmetries: &[Symmetry::PositiveDefinite],
+    distributed: false,
     options: &[ORDERING],
     build,
 };

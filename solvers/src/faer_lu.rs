@@ -28,6 +28,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::Indefinite,
         Symmetry::General,
     ],
+    distributed: false,
     options: &[OptionSpec {
         key: "max_unknowns",
         value: OptionValue::Count,

@@ -2,7 +2,9 @@
 
 use crate::krylov::{bicgstab, conjugate_gradient, gmres, minres};
 use crate::problem::Symmetry;
-use crate::{LinearSolver, SpecError, auto, faer_ldlt, faer_llt, faer_lu, petsc};
+use crate::{
+    LinearSolver, SolveError, SpecError, auto, faer_ldlt, faer_llt, faer_lu, petsc, system,
+};
 
 /// Every backend that can be chosen by name.
 pub const BACKENDS: &[Backend] = &[
@@ -27,6 +29,8 @@ pub struct Backend {
     pub summary: &'static str,
     /// Kinds of systems it solves.
     pub symmetries: &'static [Symmetry],
+    /// Whether several processes may share a system.
+    pub distributed: bool,
     /// Options it accepts.
     pub options: &'static [OptionSpec],
     /// Builds the solver from its options.
@@ -106,6 +110,19 @@ impl Backend {
                 suggestion: suggest(name, &names),
                 valid: names.join(", "),
             })
+    }
+
+    /// Whether it takes systems of a kind that so many processes share.
+    ///
+    /// # Errors
+    /// [`SolveError::Refused`] with what to choose instead.
+    pub fn takes(&self, symmetry: Symmetry, processes: usize) -> Result<(), SolveError> {
+        system::admit(
+            self.name,
+            symmetry,
+            self.symmetries,
+            processes == 1 || self.distributed,
+        )
     }
 
     /// The option that takes the whole text behind the name, if there is one.

@@ -80,26 +80,8 @@ impl System {
         self.pattern = None;
         self.ready = false;
         problem.validate()?;
-        if !supported.contains(&problem.symmetry) {
-            return Err(SolveError::Refused {
-                solver: self.solver,
-                symmetry: problem.symmetry,
-                advice: format!(
-                    "it solves {} systems only{}",
-                    list(supported),
-                    elsewhere(problem.symmetry)
-                ),
-            });
-        }
-        if problem.partition.is_some() && !self.distributed {
-            return Err(SolveError::Refused {
-                solver: self.solver,
-                symmetry: problem.symmetry,
-                advice: "several processes share it, and this solver works in one; choose `petsc` \
-                         or `auto`, or start one process"
-                    .into(),
-            });
-        }
+        let shared = problem.partition.is_none() || self.distributed;
+        admit(self.solver, problem.symmetry, supported, shared)?;
         self.pattern = Some(Fingerprint::of(problem.pattern));
         self.share = Share::of(problem);
         self.residual = vec![0.0; problem.unknowns()];
@@ -257,6 +239,31 @@ fn elsewhere(symmetry: Symmetry) -> &'static str {
         Symmetry::General => "; `gmres`, `bicgstab` and `faer-lu` solve this one",
         Symmetry::PositiveDefinite => "",
     }
+}
+
+/// Whether a solver of the `supported` kinds takes a system; `shared` tells whether it can share it as it
+/// must.
+pub(crate) fn admit(
+    solver: &'static str,
+    symmetry: Symmetry,
+    supported: &[Symmetry],
+    shared: bool,
+) -> Result<(), SolveError> {
+    let advice = if !supported.contains(&symmetry) {
+        let elsewhere = elsewhere(symmetry);
+        format!("it solves {} systems only{elsewhere}", list(supported))
+    } else if !shared {
+        "several processes share it, and this solver works in one; choose `petsc` or `auto`, or start one \
+         process"
+            .to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(SolveError::Refused {
+        solver,
+        symmetry,
+        advice,
+    })
 }
 
 fn list(symmetries: &[Symmetry]) -> String {

@@ -7,11 +7,13 @@ use crate::effects::EffectError;
 use crate::explain::{Explanation, explain};
 use crate::geometry::GeometryError;
 use crate::model::ModelError;
-use crate::plan::{FileError, Plan, resolve};
-use crate::run::{Examined, RunError, examine};
+use crate::plan::{FileError, Plan, resolve_for};
+use crate::run::{Examined, RunError, examine_for};
 use crate::scene::{self, Diagnostic, LoadedScene, Span};
+use crate::schemes;
 
 use super::exit::Failure;
+use super::processes::Processes;
 
 /// Scene and overrides, for every verb that reads a scene.
 #[derive(Debug, clap::Args)]
@@ -22,7 +24,7 @@ pub struct SceneArgs {
     /// Override a key: --set time.end="2 s", --set materials.left.permeability=1e8
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
-    /// Time scheme: implicit, explicit, semi-implicit, staggered or monolithic
+    /// Time scheme: implicit, explicit, semi-implicit, staggered or monolithic (see `perifrac schemes`)
     #[arg(long, value_name = "SCHEME")]
     pub scheme: Option<String>,
     /// Linear solver: NAME or NAME:key=value,… (see `perifrac solvers`)
@@ -82,7 +84,7 @@ impl SceneArgs {
             }
             None => return Err(unknown_case(&self.scene)),
         };
-        let plan = resolve(&loaded, &case)?;
+        let plan = resolve_for(&loaded, &case, Processes::started().size)?;
         Ok(Planned { loaded, plan })
     }
 }
@@ -133,6 +135,9 @@ impl Planned {
     /// # Errors
     /// [`Failure::Scene`] for what a run would refuse at its start and estimates can tell.
     pub fn explain(&self) -> Result<Explanation, Failure> {
+        let processes = Processes::started().size;
+        schemes::check(&self.plan, processes)
+            .map_err(|error| self.failure(RunError::refused(&self.plan, error)))?;
         let explained = match self.plan.dimension {
             2 => explain::<2>(&self.plan),
             _ => explain::<3>(&self.plan),
@@ -145,9 +150,10 @@ impl Planned {
     /// # Errors
     /// [`Failure`] for what a run would refuse at its start.
     pub fn examine(&self) -> Result<Examined, Failure> {
+        let processes = Processes::started().size;
         let examined = match self.plan.dimension {
-            2 => examine::<2>(&self.plan),
-            _ => examine::<3>(&self.plan),
+            2 => examine_for::<2>(&self.plan, processes),
+            _ => examine_for::<3>(&self.plan, processes),
         };
         examined.map_err(|error| self.failure(error))
     }

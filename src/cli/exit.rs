@@ -77,7 +77,7 @@ fn run_code(error: &RunError) -> u8 {
             | StepError::Pattern(_)
             | StepError::NoSteadyState { .. }
             | StepError::Missing { .. }
-            | StepError::Refused { .. }
+            | StepError::Refused(_)
             | StepError::LoosePlate => 3,
             _ => 4,
         },

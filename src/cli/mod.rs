@@ -14,6 +14,7 @@ mod report;
 mod resume;
 mod run;
 mod schema;
+mod schemes;
 mod solvers;
 mod study;
 mod threads;
@@ -52,6 +53,8 @@ enum Verb {
     Report(report::Args),
     /// List the bundled cases, or write one to a folder
     Cases(cases::Args),
+    /// Tell what schemes, effects and solvers can be combined with, and why not
+    Schemes,
     /// List the linear solvers and their options
     Solvers(solvers::Args),
     /// Print the JSON Schema of scenes, for editors
@@ -80,6 +83,7 @@ fn act(verb: Verb) -> Result<(), exit::Failure> {
         Verb::Study(args) => study::run(&args),
         Verb::Report(args) => report::run(&args),
         Verb::Cases(args) => cases::run(&args),
+        Verb::Schemes => schemes::run(),
         Verb::Solvers(args) => solvers::run(&args),
         Verb::Schema => schema::run(),
         Verb::Completions { shell } => {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::output::OutputError;
-use crate::plan::resolve;
+use crate::plan::resolve_for;
 use crate::run::{Checkpoint, Writer};
 use crate::scene::load_str;
 
@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let resolved = resolved(&args.folder)?;
     checkpoint.check_scene(&resolved)?;
     checkpoint.check_processes(processes.size)?;
-    let planned = planned(&checkpoint)?;
+    let planned = planned(&checkpoint, processes.size)?;
     if checkpoint.header.finished && args.folder.join("summary.json").is_file() {
         return told_finished(args, &checkpoint);
     }
@@ -61,11 +61,11 @@ fn resolved(folder: &Path) -> Result<String, OutputError> {
 }
 
 /// The plan of the scene in a checkpoint.
-fn planned(checkpoint: &Checkpoint) -> Result<Planned, Failure> {
+fn planned(checkpoint: &Checkpoint, processes: usize) -> Result<Planned, Failure> {
     let name = checkpoint.path.display().to_string();
     let record = &checkpoint.record;
     let loaded = load_str(&name, &record.scene, &record.base, &[])?;
-    let plan = resolve(&loaded, &checkpoint.header.case)?;
+    let plan = resolve_for(&loaded, &checkpoint.header.case, processes)?;
     Ok(Planned { loaded, plan })
 }
 

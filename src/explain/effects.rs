@@ -49,7 +49,7 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
 
 /// Whether a load is ever anything but zero.
 fn acts(load: &Load) -> bool {
-    load.values().iter().any(|value| value.abs() > 0.0)
+    !load.is_zero()
 }
 
 /// Loads and motions of whole sides.

@@ -14,9 +14,9 @@ use serde::Serialize;
 pub use text::bytes;
 
 use crate::model::{Model, ModelError, Sample, sample};
+use crate::plan::capability::System;
 use crate::plan::{Plan, damage_width, width_warning};
 use crate::report::Timers;
-use size::System;
 
 /// The explanation of a plan; printed as text or JSON.
 #[derive(Debug, Clone, Serialize)]
@@ -145,7 +145,9 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
     let sample = sample::<D>(plan)?;
     let built = doubts_of_model::<D>(plan, &sample)?;
     let matrices = size::matrices(plan, &sample);
-    let held = matrices.iter().filter(|m| m.name != System::MONOLITHIC);
+    let held = matrices
+        .iter()
+        .filter(|m| m.name != System::Monolithic.name());
     let fields = usize::from(sample.flow.is_some()) + D * usize::from(sample.solid.is_some());
     let bonds = match (&sample.flow, &sample.solid) {
         (Some(flow), _) => flow.bonds,

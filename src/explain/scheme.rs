@@ -1,37 +1,68 @@
 //! How steps are taken, and what solves their systems.
 
-use perifrac_solvers::{Outline, Symmetry, choose};
+use perifrac_solvers::{Outline, choose};
 
-use super::size::{System, systems};
+use super::size::row;
 use super::{Reason, reason};
 use crate::model::Sample;
-use crate::plan::{Plan, SchemeChoice, SolidMethod, StepRule, TimeMode};
+use crate::plan::capability::{Method, System, method, systems};
+use crate::plan::{Plan, SchemeChoice, SolidMethod, StepRule};
 
 /// The scheme and the rule of its steps.
 pub(super) fn scheme(plan: &Plan) -> Reason {
-    if plan.time.mode == TimeMode::Steady {
-        let how = match &plan.damage {
-            None => "one solve, no time loop".to_owned(),
-            Some(damage) => format!(
-                "one equilibrium with damage ({}), no time loop",
-                damage.method.name()
-            ),
-        };
-        return reason("steady", format!("time.mode = \"steady\": {how}"));
-    }
     let steps = steps(plan);
-    match &plan.mechanics {
-        None => reason(pressure(plan), steps),
-        Some(mechanics) if mechanics.inertia => reason(dynamic(plan), steps),
-        Some(_) if plan.flow.is_none() => {
-            let name = format!("quasi-static ({})", solid(plan));
-            let damage = plan.damage.map_or("", |_| " with damage");
-            reason(
-                name,
-                format!("equilibrium{damage} after each step, {steps}"),
+    let (name, how) = match method(plan) {
+        Method::Steady => return steady(plan),
+        Method::ForwardEuler | Method::ImplicitFlow => (pressure(plan), ""),
+        Method::Verlet if plan.flow.is_none() => ("explicit (verlet)".to_owned(), ""),
+        Method::Verlet => ("explicit (forward-euler, verlet)".to_owned(), ""),
+        Method::VerletWithFlow => ("semi-implicit (backward-euler, verlet)".to_owned(), ""),
+        Method::Relaxation | Method::Equilibrium | Method::Fracture => {
+            let how = match &plan.damage {
+                None => "equilibrium after each step, ",
+                Some(_) => "equilibrium with damage after each step, ",
+            };
+            (format!("quasi-static ({})", solid(plan)), how)
+        }
+        Method::RelaxedExplicit | Method::RelaxedImplicit | Method::LaggedFracture => {
+            let how = match plan.scheme.integrator() {
+                None => "the solid relaxes after each step, ",
+                Some(_) => "the solid relaxes after each solve, ",
+            };
+            (pressure(plan), how)
+        }
+        Method::Staggered | Method::StaggeredFracture => {
+            (pressure(plan), "flow and solid in turn until they agree, ")
+        }
+        Method::Monolithic | Method::MonolithicFracture => {
+            let integrator = plan.scheme.integrator().map_or("", |own| own.name());
+            (
+                format!("monolithic {integrator}"),
+                "flow and solid in one system, ",
             )
         }
-        Some(_) => coupled(plan, &steps),
+    };
+    reason(name, format!("{how}{}{steps}", iterations(plan)))
+}
+
+fn steady(plan: &Plan) -> Reason {
+    let how = match &plan.damage {
+        None => "one solve, no time loop".to_owned(),
+        Some(damage) => format!(
+            "one equilibrium with damage ({}), no time loop",
+            damage.method.name()
+        ),
+    };
+    reason("steady", format!("time.mode = \"steady\": {how}"))
+}
+
+/// How damage is found beside flow, where the solid does not relax.
+fn iterations(plan: &Plan) -> String {
+    match (method(plan), &plan.damage) {
+        (Method::StaggeredFracture | Method::MonolithicFracture, Some(damage)) => {
+            format!("damage by {}, ", damage.method.name())
+        }
+        _ => String::new(),
     }
 }
 
@@ -43,51 +74,13 @@ fn pressure(plan: &Plan) -> String {
     }
 }
 
-fn dynamic(plan: &Plan) -> &'static str {
-    match (plan.scheme, &plan.flow) {
-        (SchemeChoice::SemiImplicit(_), Some(_)) => "semi-implicit (backward-euler, verlet)",
-        (_, Some(_)) => "explicit (forward-euler, verlet)",
-        (_, None) => "explicit (verlet)",
-    }
-}
-
-fn coupled(plan: &Plan, steps: &str) -> Reason {
-    let integrator = plan.scheme.integrator().map_or("", |own| own.name());
-    let (name, how) = match plan.scheme {
-        SchemeChoice::Explicit => (pressure(plan), "the solid relaxes after each step"),
-        SchemeChoice::SemiImplicit(_) => (pressure(plan), "the solid relaxes after each solve"),
-        SchemeChoice::Staggered(_) => (pressure(plan), "flow and solid in turn until they agree"),
-        SchemeChoice::Implicit(_) | SchemeChoice::Monolithic(_) => (
-            format!("monolithic {integrator}"),
-            "flow and solid in one system",
-        ),
-    };
-    let damage = match plan.damage {
-        Some(damage) if !relaxes(plan) => format!("damage by {}, ", damage.method.name()),
-        _ => String::new(),
-    };
-    reason(name, format!("{how}, {damage}{steps}"))
-}
-
-/// Whether the solid relaxes, so that damage has no iterations of its own.
-fn relaxes(plan: &Plan) -> bool {
-    matches!(
-        plan.scheme,
-        SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_)
-    )
-}
-
 /// How the solid comes to rest.
 fn solid(plan: &Plan) -> &'static str {
-    if let (Some(damage), false) = (&plan.damage, relaxes(plan)) {
-        return damage.method.name();
-    }
-    match (plan.scheme, plan.scheme_options.solid) {
-        (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Verlet) => "verlet",
-        (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Adr) => "adr",
-        (SchemeChoice::Explicit | SchemeChoice::SemiImplicit(_), SolidMethod::Switched) => {
-            "adr, switched"
-        }
+    match (method(plan), &plan.damage, plan.scheme_options.solid) {
+        (Method::Relaxation, _, SolidMethod::Verlet) => "verlet",
+        (Method::Relaxation, _, SolidMethod::Adr) => "adr",
+        (Method::Relaxation, _, SolidMethod::Switched) => "adr, switched",
+        (_, Some(damage), _) => damage.method.name(),
         _ => "newton",
     }
 }
@@ -159,13 +152,10 @@ pub(super) fn outline(plan: &Plan, sample: &Sample, system: System) -> Outline {
     let contrast = flow.map_or(1.0, |flow| flow.mobility[1] / flow.mobility[0]);
     let solid = sample.solid.as_ref().map_or(1.0, |solid| solid.contrast);
     Outline {
-        symmetry: match system {
-            System::Monolithic => Symmetry::QuasiDefinite,
-            System::Flow | System::Mechanics => Symmetry::PositiveDefinite,
-        },
+        symmetry: system.symmetry(),
         points: sample.points,
         unknowns_per_point: system.width(plan.dimension),
-        entries_per_row: system.row(plan.dimension, sample),
+        entries_per_row: row(system, plan.dimension, sample),
         dimension: plan.dimension,
         solves: match system {
             System::Mechanics => plan.solid_demand().solves,

@@ -3,79 +3,23 @@
 use super::scheme::{choice, outline};
 use super::{MatrixSize, Memory};
 use crate::model::Sample;
-use crate::plan::{Plan, SchemeChoice, TimeMode};
+use crate::plan::Plan;
+use crate::plan::capability::{System, systems};
 
-/// A matrix and what it belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum System {
-    /// Pressure.
-    Flow,
-    /// Displacement.
-    Mechanics,
-    /// Both in one.
-    Monolithic,
-}
-
-impl System {
-    /// Name of the one system of both fields.
-    pub(super) const MONOLITHIC: &'static str = "monolithic";
-
-    /// Name for people.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            System::Flow => "flow",
-            System::Mechanics => "mechanics",
-            System::Monolithic => Self::MONOLITHIC,
-        }
-    }
-
-    /// Unknowns per point.
-    pub(super) fn width(self, dimension: usize) -> usize {
-        match self {
-            System::Flow => 1,
-            System::Mechanics => dimension,
-            System::Monolithic => dimension + 1,
-        }
-    }
-
-    /// Points that a point is coupled to, its own included.
-    fn neighbours(self, sample: &Sample) -> f64 {
-        let flow = sample.flow.as_ref().map_or(0.0, |flow| flow.nonzeros);
-        let solid = sample.solid.as_ref().map_or(0.0, |solid| solid.neighbours);
-        match self {
-            System::Flow => flow,
-            System::Mechanics => solid,
-            System::Monolithic => flow.max(solid),
-        }
-    }
-
-    /// Nonzeros per row.
-    pub(super) fn row(self, dimension: usize, sample: &Sample) -> f64 {
-        self.width(dimension) as f64 * self.neighbours(sample)
+/// Points that a point of a system is coupled to, its own included.
+fn neighbours(system: System, sample: &Sample) -> f64 {
+    let flow = sample.flow.as_ref().map_or(0.0, |flow| flow.nonzeros);
+    let solid = sample.solid.as_ref().map_or(0.0, |solid| solid.neighbours);
+    match system {
+        System::Flow => flow,
+        System::Mechanics => solid,
+        System::Monolithic => flow.max(solid),
     }
 }
 
-/// The linear systems that the plan's scheme solves.
-pub(super) fn systems(plan: &Plan) -> Vec<System> {
-    let inertia = (plan.mechanics.as_ref()).is_some_and(|mechanics| mechanics.inertia);
-    let (flow, solid) = (plan.flow.is_some(), plan.mechanics.is_some());
-    let both = flow && solid;
-    let steady = plan.time.mode == TimeMode::Steady;
-    let (solves_flow, solves_solid) = match plan.scheme {
-        _ if steady => (true, true),
-        SchemeChoice::Explicit => (false, false),
-        SchemeChoice::SemiImplicit(_) => (true, false),
-        SchemeChoice::Implicit(_) | SchemeChoice::Monolithic(_) if both && !inertia => {
-            return vec![System::Monolithic];
-        }
-        _ => (true, !inertia),
-    };
-    let parts = [
-        (System::Flow, flow && solves_flow),
-        (System::Mechanics, solid && solves_solid),
-    ];
-    let solved = parts.into_iter().filter(|(_, solved)| *solved);
-    solved.map(|(system, _)| system).collect()
+/// Nonzeros per row.
+pub(super) fn row(system: System, dimension: usize, sample: &Sample) -> f64 {
+    system.width(dimension) as f64 * neighbours(system, sample)
 }
 
 /// Every matrix that is held: the operators, and the one system of both.
@@ -94,7 +38,7 @@ pub(super) fn matrices(plan: &Plan, sample: &Sample) -> Vec<MatrixSize> {
 
 fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixSize {
     let unknowns = system.width(plan.dimension) * sample.points;
-    let nonzeros = system.row(plan.dimension, sample) * unknowns as f64;
+    let nonzeros = row(system, plan.dimension, sample) * unknowns as f64;
     let bytes = match system {
         // The operator, and the system's own values beside its own.
         System::Flow if solved => 20.0,
@@ -161,7 +105,7 @@ impl Held {
 /// Operations of one factorisation: nested dissection, or a sweep where the cloud is slender.
 fn flops(plan: &Plan, sample: &Sample, system: System) -> f64 {
     let own = system.width(plan.dimension) as f64;
-    let depth = system.neighbours(sample).powf(1.0 / plan.dimension as f64);
+    let depth = neighbours(system, sample).powf(1.0 / plan.dimension as f64);
     let front = own * depth * sample.across.powi(plan.dimension as i32 - 1);
     let sweep = own * sample.points as f64 * front.powi(2);
     outline(plan, sample, system).factor().flops.min(sweep)
@@ -176,10 +120,10 @@ fn fill(dimension: usize, sample: &Sample, system: System) -> f64 {
         (System::Flow, _) => 0.14 * points.cbrt(),
         // Two hops: separators are as thick as rows are long, and no wider than the cloud.
         (_, 2) => {
-            let across = 1.3 * sample.across.powi(2) / system.neighbours(sample);
+            let across = 1.3 * sample.across.powi(2) / neighbours(system, sample);
             return (0.41 * across.log2()).max(0.6);
         }
-        (_, _) => sample.across / system.neighbours(sample).cbrt(),
+        (_, _) => sample.across / neighbours(system, sample).cbrt(),
     };
     fill.max(1.0)
 }

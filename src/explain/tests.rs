@@ -347,7 +347,8 @@ fn cracks_are_told_by_kind_and_with_their_fluid() {
         "cracks.b={kind = \"damaged\", points = [[2, 1], [4, 1]], injection = {rate = 1, at = \
          [3, 1]}}",
     ];
-    let plan = plan_of(SOLID, &[BREAKING, sets].concat());
+    let light = SOLID.replace("[gravity]\nacceleration = [0, -10]\n", "");
+    let plan = plan_of(&light, &[BREAKING, sets].concat());
     let told = effects::effects(&plan);
     let why = |name: &str| {
         let found = told.iter().find(|effect| effect.name == name);

@@ -495,9 +495,8 @@ pub fn driven_walls<const D: usize>(mechanics: &MechanicsPlan) -> Vec<(Side, usi
 
 /// The walls of a side that move.
 fn moving(support: &Support, side: Side) -> Vec<(Side, usize, Drive)> {
-    let at_rest = |load: &Load| load.values().iter().all(|value| value.abs() <= 0.0);
     let wall = |(component, load): (usize, &Load)| {
-        (!at_rest(load)).then(|| (side, component, Drive::Displacement(load.clone())))
+        (!load.is_zero()).then(|| (side, component, Drive::Displacement(load.clone())))
     };
     match support {
         Support::Free | Support::Traction(_) => Vec::new(),

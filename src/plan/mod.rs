@@ -1,5 +1,6 @@
 //! The plan: a scene resolved to SI units and active effects. Nothing downstream reads the scene.
 
+pub mod capability;
 mod demand;
 mod exact;
 mod files;
@@ -10,7 +11,7 @@ mod width;
 pub use crate::load::Load;
 pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
 pub use files::{FileError, PointTable, check_length, read_array};
-pub use resolve::resolve;
+pub use resolve::{resolve, resolve_any, resolve_for};
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
     DamageMethod, DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,

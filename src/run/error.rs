@@ -2,6 +2,7 @@
 
 use crate::model::ModelError;
 use crate::output::{CheckpointError, OutputError};
+use crate::plan::Plan;
 use crate::schemes::StepError;
 
 /// A run that did not reach its end.
@@ -49,6 +50,17 @@ pub enum RunError {
         /// Time reached, s.
         time: f64,
     },
+}
+
+impl RunError {
+    /// A plan that is refused before its first step.
+    pub fn refused(plan: &Plan, source: StepError) -> Self {
+        RunError::Step {
+            scheme: plan.scheme.name().to_owned(),
+            source,
+            last_output: None,
+        }
+    }
 }
 
 fn kept(last_output: &Option<f64>) -> String {

@@ -27,16 +27,22 @@ pub struct Examined {
 /// # Errors
 /// [`RunError`] as a run would give it at its start.
 pub fn examine<const D: usize>(plan: &Plan) -> Result<Examined, RunError> {
+    examine_for::<D>(plan, 1)
+}
+
+/// As [`examine`], for a run by so many processes.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_for<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
+    let refused = |error| RunError::refused(plan, error);
+    schemes::check(plan, processes).map_err(refused)?;
     let mut explanation = explain::<D>(plan)?;
     let built = model_bytes(&explanation.memory) <= MOST_BYTES;
     if built {
         let model = Model::<D>::build(plan, &mut Timers::default())?;
         if plan.time.mode == TimeMode::Transient {
-            schemes::build(plan, &model).map_err(|source| RunError::Step {
-                scheme: plan.scheme.name().to_owned(),
-                source,
-                last_output: None,
-            })?;
+            schemes::build(plan, &model).map_err(refused)?;
         }
         for warning in model.warnings {
             if !explanation.warnings.contains(&warning) {

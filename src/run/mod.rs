@@ -21,7 +21,7 @@ mod writer;
 pub use checkpoint::{Checkpoint, Record, Snapshot};
 pub use columns::openings;
 pub use error::RunError;
-pub use examine::{Examined, examine};
+pub use examine::{Examined, examine, examine_for};
 pub use fracture::Results;
 pub use settings::{CheckpointRule, Settings};
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};

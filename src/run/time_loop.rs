@@ -125,6 +125,8 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         snapshot,
     } = job;
     let started = Instant::now();
+    let processes = team.map_or(1, |team| team.size());
+    schemes::check(plan, processes).map_err(|error| RunError::refused(plan, error))?;
     let mut timers = Timers::default();
     timers.begin("other");
     let model = Model::<D>::build_with(plan, team, &mut timers)?;

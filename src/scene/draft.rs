@@ -66,9 +66,6 @@ pub(super) struct Draft {
     pub reference: Option<Spanned<Reference>>,
 }
 
-/// The sections of which a scene needs at least one.
-const EFFECTS: &[&str] = &["[flow]", "[mechanics]"];
-
 impl Draft {
     /// Every rule of every section in which there is no fault yet.
     pub fn check(&self, scene: &Context<'_>) -> Vec<Diagnostic> {
@@ -129,13 +126,6 @@ impl Draft {
                 report.add(fault.help(format!("add {section} with {content}")));
             }
         }
-        if !scene.has(&self.flow) && !scene.has(&self.mechanics) {
-            let fault = Diagnostic::new("the scene names no effect, so nothing would happen");
-            report.add(fault.help(match EFFECTS {
-                [only] => format!("add {only}"),
-                several => format!("add one of {}", several.join(", ")),
-            }));
-        }
     }
 
     /// The scene, if all that it needs is there.
@@ -153,8 +143,8 @@ impl Draft {
             coupling: self.coupling,
             damage: self.damage,
             fracture_flow: self.fracture_flow,
-            cracks: self.cracks.unwrap_or_default().value,
-            wells: self.wells.unwrap_or_default().value,
+            cracks: self.cracks.unwrap_or_default(),
+            wells: self.wells.unwrap_or_default(),
             time: self.time?,
             scheme: self.scheme.unwrap_or_default(),
             solver: self.solver.unwrap_or_default(),

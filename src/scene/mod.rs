@@ -31,7 +31,7 @@ pub mod units;
 mod validate;
 
 #[cfg(test)]
-mod rules_tests;
+pub(crate) mod rules_tests;
 
 pub use diagnostics::{Diagnostic, SceneErrors};
 pub use load::{Load, TimeSeries};
@@ -74,9 +74,9 @@ pub struct Scene {
     /// Flow in what is broken, if it is computed.
     pub fracture_flow: Option<Spanned<FractureFlow>>,
     /// Cracks that are there from the start, in the order of the file.
-    pub cracks: Named<Crack>,
+    pub cracks: Spanned<Named<Crack>>,
     /// Sources and sinks at points, in the order of the file.
-    pub wells: Named<Well>,
+    pub wells: Spanned<Named<Well>>,
     /// How long, and in which steps.
     pub time: Spanned<TimeControl>,
     /// How the step is taken.

@@ -3,6 +3,7 @@
 use perifrac_solvers::{SolveError, SpecError};
 
 use crate::assembly::PatternError;
+use crate::plan::capability::Refusal;
 
 /// Why a step was rejected: the measure that it did not meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -117,14 +118,9 @@ pub enum StepError {
         /// The section.
         part: &'static str,
     },
-    /// The scheme cannot run the scene.
-    #[error("{scheme} cannot run this scene: {reason}")]
-    Refused {
-        /// The scheme.
-        scheme: &'static str,
-        /// Why, and what to do.
-        reason: &'static str,
-    },
+    /// What the plan asks for cannot be combined.
+    #[error(transparent)]
+    Refused(Refusal),
     /// Newton's method left forces out of balance.
     #[error(
         "no mechanical equilibrium at t = {time:.6e} s: forces are out of balance by {residual:.1e} of \
@@ -357,7 +353,7 @@ impl StepError {
             | StepError::Unstable { .. }
             | StepError::TooSmall { .. }
             | StepError::Missing { .. }
-            | StepError::Refused { .. } => Rejection::Error,
+            | StepError::Refused(_) => Rejection::Error,
         }
     }
 
@@ -373,7 +369,7 @@ impl StepError {
                 | StepError::CouplingUnstable { .. }
                 | StepError::FractureUnstable { .. }
                 | StepError::Missing { .. }
-                | StepError::Refused { .. }
+                | StepError::Refused(_)
                 | StepError::LoosePlate
         )
     }

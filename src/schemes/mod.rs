@@ -33,7 +33,7 @@ mod verlet;
 use perifrac_solvers::SolverCounters;
 use serde::{Deserialize, Serialize};
 
-pub use build::build;
+pub use build::{build, check};
 pub use control::StepControl;
 pub use error::{Conserved, Rejection, StepError};
 pub use explicit::ForwardEuler;

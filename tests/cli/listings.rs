@@ -113,6 +113,16 @@ fn the_solvers_are_listed_with_their_options() {
 }
 
 #[test]
+fn what_can_be_combined_is_told_as_in_the_documents() {
+    let told = Place::new().succeed(&["schemes"]);
+    assert_eq!(
+        told.trim_end(),
+        include_str!("../../docs/combinations.md").trim_end()
+    );
+    assert!(told.contains("`[fracture_flow]`"), "{told}");
+}
+
+#[test]
 fn the_schema_is_json_and_knows_the_sections() {
     let schema: Value = serde_json::from_str(&Place::new().succeed(&["schema"])).unwrap();
     for section in [
@@ -148,6 +158,7 @@ fn help_and_version_are_told() {
         "plan",
         "check",
         "cases",
+        "schemes",
         "solvers",
         "schema",
         "completions",

@@ -5,6 +5,7 @@
 mod support;
 
 mod backends;
+mod combinations;
 mod cracks;
 mod damage;
 mod dynamics;

@@ -35,6 +35,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::Indefinite,
         Symmetry::General,
     ],
+    distributed: false,
     options: &OPTIONS,
     build,
 };

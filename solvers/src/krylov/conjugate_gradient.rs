@@ -28,6 +28,7 @@ pub(crate) const BACKEND: Backend = Backend {
     name: "faer-cg",
     summary: "conjugate gradients (iterative), warm start, choice of preconditioners",
     symmetries: &[Symmetry::PositiveDefinite],
+    distributed: false,
     options: &OPTIONS,
     build,
 };

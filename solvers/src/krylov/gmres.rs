@@ -34,6 +34,7 @@ pub(crate) const BACKEND: Backend = Backend {
     name: "gmres",
     summary: "generalised minimal residuals (iterative, restarted), for any matrix",
     symmetries: SYMMETRIES,
+    distributed: false,
     options: &OPTIONS,
     build: build_plain,
 };
@@ -43,6 +44,7 @@ pub(crate) const FLEXIBLE_BACKEND: Backend = Backend {
     name: "fgmres",
     summary: "gmres that lets the preconditioner vary; twice the memory",
     symmetries: SYMMETRIES,
+    distributed: false,
     options: &OPTIONS,
     build: build_flexible,
 };

@@ -32,6 +32,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::QuasiDefinite,
         Symmetry::Indefinite,
     ],
+    distributed: false,
     options: &OPTIONS,
     build,
 };

@@ -51,6 +51,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::Indefinite,
         Symmetry::General,
     ],
+    distributed: true,
     options: &[OptionSpec {
         key: "flags",
         value: OptionValue::Flags,

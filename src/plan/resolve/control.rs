@@ -42,8 +42,9 @@ pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
     // takes whole steps.
     let inertia = (scene.mechanics.as_ref()).is_some_and(|mechanics| mechanics.is_dynamic());
     let whole = scene.fracture_flow.is_some() || inertia;
+    let typed = scene.time.integrator.span.is_somewhere();
     let integrator = match scene.time.integrator.value {
-        scene::Integrator::TrBdf2 if !whole => Integrator::TrBdf2,
+        scene::Integrator::TrBdf2 if typed || !whole => Integrator::TrBdf2,
         _ => Integrator::BackwardEuler,
     };
     match scene.scheme.name.value {

@@ -14,7 +14,7 @@ const SHORTEST_STEP: f64 = 1e-2;
 impl Resolver<'_> {
     /// Points from a file tell the dimension only now.
     pub(super) fn check_cracks(&mut self, dimension: usize) {
-        for entry in &self.loaded.scene.cracks {
+        for entry in &*self.loaded.scene.cracks {
             let crack = &entry.value;
             if let (Some(points), 3) = (&crack.points, dimension) {
                 self.faults.push(points_in_space(points.span));

@@ -30,7 +30,7 @@ impl Resolver<'_> {
         Some(MechanicsPlan {
             inertia: mechanics.is_dynamic(),
             hourglass: mechanics.hourglass.value(),
-            gradient: self.solid_gradient(mechanics)?,
+            gradient: solid_gradient(mechanics, &self.loaded.scene),
             body_force: mechanics.body_force.as_ref().map(|force| values(force)),
             initial_stress: mechanics
                 .initial_stress
@@ -40,24 +40,15 @@ impl Resolver<'_> {
             loads: mechanics.loads.iter().map(traction).collect(),
         })
     }
+}
 
-    /// The faces of a crack are no layer that the divergence-consistent gradient knows.
-    fn solid_gradient(&mut self, mechanics: &Mechanics) -> Option<GradientChoice> {
-        let scene = &self.loaded.scene;
-        let chosen = gradient(mechanics.gradient.value);
-        let broken = match &scene.damage {
-            Some(_) => "[damage]",
-            None if !scene.cracks.is_empty() => "[cracks]",
-            None => return Some(chosen),
-        };
-        if chosen != GradientChoice::DivergenceConsistent {
-            return Some(GradientChoice::Plain);
-        }
-        let message = format!(
-            "the divergence-consistent gradient does not go together with {broken}; set gradient \
-             = \"plain\""
-        );
-        self.fault(mechanics.gradient.span, message)
+/// The gradient of the displacement, plain where the scene does not ask for another: the faces of a crack
+/// are no layer that the divergence-consistent gradient knows.
+fn solid_gradient(mechanics: &Mechanics, scene: &scene::Scene) -> GradientChoice {
+    let breaks = scene.damage.is_some() || !scene.cracks.is_empty();
+    match gradient(mechanics.gradient.value) {
+        GradientChoice::Auto if breaks => GradientChoice::Plain,
+        chosen => chosen,
     }
 }
 

@@ -7,6 +7,7 @@ mod fracture;
 mod geometry;
 mod materials;
 mod mechanics;
+mod places;
 mod shortened;
 #[cfg(test)]
 mod tests;
@@ -15,14 +16,45 @@ use perifrac_solvers::SolverSpec;
 
 use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, TimeMode};
 use crate::geometry::Side;
+use crate::plan::capability;
 use crate::scene::{Diagnostic, LoadedScene, SceneErrors, Span};
 
-/// Resolves a loaded scene; `case` is its name in reports.
+/// Resolves a loaded scene for a run in one process; `case` is its name in reports.
+///
+/// # Errors
+/// As [`resolve_for`].
+pub fn resolve(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors> {
+    resolve_for(loaded, case, 1)
+}
+
+/// Resolves a loaded scene for a run by so many processes.
 ///
 /// # Errors
 /// [`SceneErrors`] with the place in the scene: files that cannot be used, a spacing that does not
-/// divide the domain, an unknown solver, a reference that does not fit.
-pub fn resolve(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors> {
+/// divide the domain, an unknown solver, a reference that does not fit, and what cannot be combined. What
+/// only the solver refuses is left to the run.
+pub fn resolve_for(
+    loaded: &LoadedScene,
+    case: &str,
+    processes: usize,
+) -> Result<Plan, SceneErrors> {
+    let plan = resolve_any(loaded, case)?;
+    let scheme = plan.scheme.scheme();
+    let features = capability::features(&plan, processes);
+    let faults: Vec<Diagnostic> = capability::broken(scheme, &features)
+        .flat_map(|rule| places::diagnostics(rule, &loaded.scene))
+        .collect();
+    match faults.is_empty() {
+        true => Ok(plan),
+        false => Err(loaded.errors(faults)),
+    }
+}
+
+/// Resolves a loaded scene whether its parts can be combined or not; see [`capability::refusals`].
+///
+/// # Errors
+/// As [`resolve_for`], without what cannot be combined.
+pub fn resolve_any(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors> {
     let mut faults = Vec::new();
     let plan = Resolver {
         loaded,

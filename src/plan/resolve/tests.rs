@@ -310,18 +310,3 @@ fn a_disc_has_a_normal_of_length_one() {
     assert_eq!(plan.damage.unwrap().shortest_step, 1e-3);
     assert_eq!(plan.scheme, SchemeChoice::Implicit(Integrator::TrBdf2));
 }
-
-#[test]
-fn damage_has_no_divergence_consistent_gradient() {
-    let sets = [
-        "materials.rock.fracture_energy=50",
-        "damage.length_scale=0.2",
-        "mechanics.gradient=divergence-consistent",
-    ];
-    let errors = resolved(SOLID, &sets).unwrap_err();
-    assert_eq!(
-        errors.diagnostics[0].message,
-        "the divergence-consistent gradient does not go together with [damage]; set gradient = \
-         \"plain\""
-    );
-}

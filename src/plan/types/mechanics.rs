@@ -46,6 +46,22 @@ pub enum Support {
     Plate(Load),
 }
 
+impl Support {
+    /// Whether it is a rigid plate.
+    pub fn is_plate(&self) -> bool {
+        matches!(self, Support::Plate(_))
+    }
+
+    /// Whether it prescribes a displacement that is not always zero.
+    pub fn moves(&self) -> bool {
+        match self {
+            Support::Free | Support::Traction(_) | Support::Plate(_) => false,
+            Support::Roller(load) => !load.is_zero(),
+            Support::Prescribed(loads) => !loads.iter().all(Load::is_zero),
+        }
+    }
+}
+
 /// A force per area on a part of a side, in addition to the side's own traction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TractionPlan {

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::scene::SchemeName;
+
 /// Time scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -21,12 +23,17 @@ pub enum SchemeChoice {
 impl SchemeChoice {
     /// Name as on the command line.
     pub fn name(self) -> &'static str {
+        self.scheme().name()
+    }
+
+    /// The scheme, whatever its integrator.
+    pub fn scheme(self) -> SchemeName {
         match self {
-            SchemeChoice::Explicit => "explicit",
-            SchemeChoice::Implicit(_) => "implicit",
-            SchemeChoice::SemiImplicit(_) => "semi-implicit",
-            SchemeChoice::Staggered(_) => "staggered",
-            SchemeChoice::Monolithic(_) => "monolithic",
+            SchemeChoice::Explicit => SchemeName::Explicit,
+            SchemeChoice::Implicit(_) => SchemeName::Implicit,
+            SchemeChoice::SemiImplicit(_) => SchemeName::SemiImplicit,
+            SchemeChoice::Staggered(_) => SchemeName::Staggered,
+            SchemeChoice::Monolithic(_) => SchemeName::Monolithic,
         }
     }
 

@@ -4,7 +4,7 @@ use super::mechanics::{COUPLED, check, messages};
 use super::{faults, load};
 
 /// The coupled scene without the text from one heading to another.
-fn without(from: &str, to: &str) -> String {
+pub(crate) fn without(from: &str, to: &str) -> String {
     let start = COUPLED.find(from).unwrap();
     let end = start + COUPLED[start..].find(to).unwrap();
     format!("{}{}", &COUPLED[..start], &COUPLED[end..])
@@ -92,26 +92,6 @@ fn density_is_needed_for_weight_and_inertia_only() {
         messages(&light, &dynamic),
         ["material `rock` has no `density`"]
     );
-}
-
-#[test]
-fn coupling_joins_flow_and_mechanics() {
-    let uncoupled = without("[coupling]", "[time]");
-    let expected = "flow and mechanics without [coupling] would not feel each other";
-    assert_eq!(
-        faults(&uncoupled, &[]),
-        [(expected.to_owned(), "[mechanics]".to_owned())]
-    );
-    let dry = without("[flow", "[mechanics]");
-    let coupling = |section: &str| {
-        (
-            format!("[coupling] needs {section}"),
-            "[coupling]".to_owned(),
-        )
-    };
-    assert_eq!(faults(&dry, &[]), [coupling("[flow]")]);
-    let rigid = without("[mechanics]", "[coupling]");
-    assert_eq!(faults(&rigid, &[]), [coupling("[mechanics]")]);
 }
 
 #[test]
@@ -205,44 +185,6 @@ fn the_schemes_are_known_and_their_numbers_checked() {
             "1.5",
         ),
     ]);
-}
-
-#[test]
-fn inertia_needs_a_scheme_that_has_it() {
-    let dynamic = COUPLED.replace("\"quasi-static\"", "\"dynamic\"");
-    for name in ["implicit", "staggered", "monolithic"] {
-        let text = dynamic.replace("\"staggered\"", &format!("\"{name}\""));
-        let expected = (format!("`{name}` has no inertia"), format!("\"{name}\""));
-        assert_eq!(faults(&text, &[]), [expected]);
-    }
-    let unnamed = dynamic.replace("name = \"staggered\"\n", "");
-    let expected = (
-        "`implicit` has no inertia".to_owned(),
-        "\"dynamic\"".to_owned(),
-    );
-    assert_eq!(faults(&unnamed, &[]), std::slice::from_ref(&expected));
-    let start = dynamic.find("[scheme]").unwrap();
-    assert_eq!(
-        faults(&dynamic[..start], &[]),
-        [expected],
-        "no [scheme] at all"
-    );
-    for name in ["explicit", "semi-implicit"] {
-        let set = format!("scheme.name={name}");
-        assert_eq!(faults(&dynamic, &[&set]), []);
-    }
-}
-
-#[test]
-fn a_steady_run_has_neither_inertia_nor_steps() {
-    let still = COUPLED
-        .replace("end = \"1 d\"", "mode = \"steady\"")
-        .replace("{ time = [0, 1], value = [0, \"1 mm\"] }", "\"1 mm\"");
-    assert_eq!(faults(&still, &[]), []);
-    let found = messages(&still, &["scheme.name=semi-implicit"]);
-    assert_eq!(found, ["a steady run has no semi-implicit scheme"]);
-    let found = messages(&still, &["mechanics.mode=dynamic"]);
-    assert_eq!(found, ["a steady run cannot be dynamic"]);
 }
 
 #[test]

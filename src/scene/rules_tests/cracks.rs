@@ -2,7 +2,7 @@
 
 use super::faults;
 
-const SOLID: &str = r#"title = "Cracked"
+pub(crate) const SOLID: &str = r#"title = "Cracked"
 [geometry]
 type = "lattice"
 size = [1, 1]
@@ -52,21 +52,7 @@ fn a_crack_is_a_chain_of_places_in_a_plane_domain() {
 }
 
 #[test]
-fn cracks_need_mechanics_and_cut_ones_do_not_go_with_flow() {
-    let alone = SOLID.replace("[mechanics.boundary.left]\nclamped = true\n", "");
-    let found = faults(&alone, &[]);
-    assert!(
-        found
-            .iter()
-            .any(|(message, _)| message == "[cracks] need [mechanics]"),
-        "{found:?}"
-    );
-    let found = faults(
-        &SOLID.replace("[cracks.main]", "[flow]\n[cracks.main]"),
-        &[],
-    );
-    let message = "a cut crack and [flow] do not go together";
-    assert!(found.iter().any(|fault| fault.0 == message), "{found:?}");
+fn the_reference_of_a_crack_needs_one() {
     let bare = SOLID.split("[cracks.main]").next().unwrap().to_owned()
         + "[time]\nmode = \"steady\"\n[reference]\ntype = \"sneddon\"\n";
     assert_eq!(faults(&bare, &[])[0].0, "this reference needs [cracks]");

@@ -4,7 +4,7 @@ use super::{faults, load};
 use crate::scene::{CrackKind, HorizonSize};
 
 /// A sound scene of a crack that fluid is pumped into.
-const PUMPED: &str = r#"title = "Pumped"
+pub(crate) const PUMPED: &str = r#"title = "Pumped"
 [geometry]
 type = "lattice"
 size = [1, 1]
@@ -53,7 +53,7 @@ end = "10 s"
 "#;
 
 /// A sound scene of a flat crack in space that nothing flows in.
-const DISC: &str = r#"title = "Disc"
+pub(crate) const DISC: &str = r#"title = "Disc"
 [geometry]
 type = "lattice"
 size = [1, 1, 1]
@@ -90,7 +90,7 @@ fn messages(scene: &str, overrides: &[&str]) -> Vec<String> {
 }
 
 /// The text without a section, from its heading to the next one.
-fn without(scene: &str, heading: &str) -> String {
+pub(crate) fn without(scene: &str, heading: &str) -> String {
     let start = scene.find(heading).unwrap();
     let end = scene[start + 1..]
         .find("\n[")
@@ -225,56 +225,12 @@ fn damage_rules() {
 }
 
 #[test]
-fn damage_needs_mechanics_at_rest_without_plates() {
-    let rigid = without(
-        &without(&without(DISC, "[mechanics"), "[cracks"),
-        "[materials",
-    ) + "[materials.rock]\nfracture_energy = 1\n";
-    let found = messages(&rigid, &[]);
-    assert!(
-        found.contains(&"[damage] needs [mechanics]".to_owned()),
-        "{found:?}"
-    );
-    let dynamic = [
-        "mechanics.mode=dynamic",
-        "scheme.name=explicit",
-        "materials.rock.density=2000",
-        "time={end = 1}",
-    ];
-    assert_eq!(
-        messages(DISC, &dynamic),
-        ["damage needs quasi-static mechanics"]
-    );
-    assert_eq!(
-        messages(PUMPED, &["mechanics.boundary.right={plate = 1}"]),
-        ["a rigid `plate` and [damage] do not go together"]
-    );
+fn a_horizon_in_length_scales_needs_damage() {
     let size = ["horizon.length_scale_ratio=0.5"];
     let elastic = without(&without(DISC, "[damage]"), "[cracks");
     assert_eq!(
         messages(&elastic, &size),
         ["`length_scale_ratio` needs [damage]"]
-    );
-}
-
-#[test]
-fn a_steady_run_has_damage_without_flow_only() {
-    let steady = PUMPED
-        .replace("end = \"10 s\"", "mode = \"steady\"")
-        .replace("shortest_step = \"1 ms\"\n", "");
-    assert_eq!(
-        messages(&steady, &[]),
-        ["a steady run has no flow in fractures"]
-    );
-    let plain = without(&without(&steady, "[fracture_flow]"), "[cracks");
-    assert_eq!(
-        messages(&plain, &[]),
-        ["a steady run with [flow] has no [damage]"]
-    );
-    let transient = without(&without(PUMPED, "[fracture_flow]"), "[cracks");
-    assert_eq!(
-        messages(&transient, &[]),
-        ["[damage] and [flow] need [fracture_flow]"]
     );
 }
 
@@ -328,60 +284,16 @@ fn fracture_flow_rules() {
                 "`square` is not known here",
                 "\"square\"",
             ),
-            (
-                "end = \"10 s\"",
-                "end = \"10 s\"\nintegrator = \"tr-bdf2\"",
-                "flow in fractures needs backward-euler: its coefficients change within a step",
-                "\"tr-bdf2\"",
-            ),
         ],
     );
     assert_eq!(faults(PUMPED, &["time.integrator=backward-euler"]), []);
 }
 
 #[test]
-fn fracture_flow_needs_damage_flow_and_coupling() {
-    for (heading, section) in [
-        ("[damage]", "[damage]"),
-        ("[flow]", "[flow]"),
-        ("[coupling]", "[coupling]"),
-    ] {
-        let text = without(&without(PUMPED, heading), "[cracks")
-            .replace("[horizon]\nlength_scale_ratio = 0.5\n", "");
-        let found = faults(&text, &[]);
-        let expected = (
-            format!("[fracture_flow] needs {section}"),
-            "[fracture_flow]".to_owned(),
-        );
-        assert!(found.contains(&expected), "{found:?}");
-    }
-}
-
-#[test]
-fn damaged_cracks_need_damage_and_their_fluid_a_flow_in_fractures() {
-    let text = without(PUMPED, "[fracture_flow]");
-    assert_eq!(
-        faults(&text, &[]),
-        [(
-            "a damaged crack and [flow] need [fracture_flow]".to_owned(),
-            "\"damaged\"".to_owned()
-        )]
-    );
+fn fluid_is_pumped_into_a_crack_at_one_place_of_the_domain() {
     check(
         PUMPED,
         &[
-            (
-                "kind = \"damaged\"",
-                "kind = \"cut\"",
-                "a cut crack and [flow] do not go together",
-                "\"cut\"",
-            ),
-            (
-                "kind = \"damaged\"\n",
-                "",
-                "a cut crack and [flow] do not go together",
-                "notch",
-            ),
             (
                 "at = [0.5, 0.5]",
                 "at = [0.5, 0.5, 0]",
@@ -402,13 +314,6 @@ fn damaged_cracks_need_damage_and_their_fluid_a_flow_in_fractures() {
             ),
         ],
     );
-    assert_eq!(
-        messages(&without(DISC, "[damage]"), &[]),
-        ["a damaged crack needs [damage]"]
-    );
-    let dry = "cracks.penny.injection={rate = 1, at = [0.5, 0.5, 0.5]}";
-    let text = DISC.replace("pressure = \"1 MPa\"\n", "");
-    assert_eq!(messages(&text, &[dry]), ["an `injection` needs [flow]"]);
 }
 
 #[test]

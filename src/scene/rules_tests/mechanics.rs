@@ -4,7 +4,7 @@ use super::{faults, load};
 use crate::scene::{Motion, SchemeName, Side};
 
 /// A sound scene of flow and mechanics, coupled.
-pub(super) const COUPLED: &str = r#"title = "Column"
+pub(crate) const COUPLED: &str = r#"title = "Column"
 
 [geometry]
 type = "lattice"

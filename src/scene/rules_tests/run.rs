@@ -64,14 +64,6 @@ fn steady_rules() {
         found,
         [(expected.to_owned(), "[0, \"1 MPa\", 0]".to_owned())]
     );
-    let found = faults(SOUND, &["time.mode=steady", "scheme.name=explicit"]);
-    assert_eq!(
-        found[1],
-        (
-            "a steady run has no explicit scheme".into(),
-            "explicit".into()
-        )
-    );
     let constant = SOUND.replace(
         "{ time = [0, \"10 s\", 20], value = [0, \"1 MPa\", 0] }",
         "1",

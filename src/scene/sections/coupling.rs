@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::scheme::SchemeName;
-use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::Number;
 use crate::scene::range::{Range, within};
 use crate::scene::span::Span;
@@ -43,27 +41,7 @@ impl Default for Coupling {
 impl Section for Coupling {
     const NAME: &'static str = "coupling";
 
-    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
         STABILISATION.check(self.stabilisation, report);
-        self.check_scheme(scene, report);
-        let needed = [
-            ("[flow]", scene.has(&scene.draft.flow)),
-            ("[mechanics]", scene.has(&scene.draft.mechanics)),
-        ];
-        report.needs("[coupling]", place, &needed);
-    }
-}
-
-impl Coupling {
-    /// Stabilising storage joins neighbours, which no explicit step solves for.
-    fn check_scheme(&self, scene: &Context<'_>, report: &mut Report) {
-        let name = scene.sound(&scene.draft.scheme).map(|scheme| scheme.name);
-        let explicit = name.filter(|name| name.value == SchemeName::Explicit);
-        if let Some(name) = explicit.filter(|_| self.stabilisation.value() > 0.0) {
-            let fault = Diagnostic::new("`stabilisation` needs a linear system");
-            let fault = fault.at(self.stabilisation.span());
-            let fault = fault.also(name.span, "there is none here");
-            report.add(fault.help("set stabilisation = 0, or use an implicit scheme"));
-        }
     }
 }

@@ -171,36 +171,6 @@ impl Crack {
         }
     }
 
-    /// What a crack of its kind needs of the other sections.
-    fn check_kind(&self, name: Span, scene: &Context<'_>, report: &mut Report) {
-        let draft = scene.draft;
-        let flow = scene.has(&draft.flow);
-        let typed = self.kind.span.is_somewhere();
-        let place = if typed { self.kind.span } else { name };
-        let fault = |message: &str, help: &str| Diagnostic::new(message).at(place).help(help);
-        if self.kind.value == CrackKind::Cut {
-            if flow {
-                report.add(fault(
-                    "a cut crack and [flow] do not go together",
-                    "set kind = \"damaged\", with [damage] and [fracture_flow]",
-                ));
-            }
-            return;
-        }
-        if !scene.has(&draft.damage) {
-            report.add(fault(
-                "a damaged crack needs [damage]",
-                "add [damage] with `length_scale`, or set kind = \"cut\"",
-            ));
-        }
-        if flow && !scene.has(&draft.fracture_flow) {
-            report.add(fault(
-                "a damaged crack and [flow] need [fracture_flow]",
-                "add [fracture_flow], or leave [flow] out",
-            ));
-        }
-    }
-
     fn check_fluid(&self, scene: &Context<'_>, report: &mut Report) {
         let pressure = self.pressure.as_ref();
         pressure
@@ -211,10 +181,6 @@ impl Crack {
         };
         let pressed = pressure.map(Load::span);
         report.at_most_one(&[("pressure", pressed), ("injection", Some(*span))]);
-        if !scene.has(&scene.draft.flow) {
-            let fault = Diagnostic::new("an `injection` needs [flow]").at(*span);
-            report.add(fault.help("add [flow], or give the crack's `pressure` instead"));
-        }
         report.position("at", &value.at, scene);
         report.load(&value.rate, scene);
         check_rate_unit(&value.rate, scene, report);
@@ -236,15 +202,10 @@ pub(crate) fn disc_in_plane(place: Span) -> Diagnostic {
 impl Section for Named<Crack> {
     const NAME: &'static str = "cracks";
 
-    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
-        if !scene.has(&scene.draft.mechanics) {
-            let fault = Diagnostic::new("[cracks] need [mechanics]").at(place);
-            report.add(fault.help("add [mechanics], or leave [cracks] out"));
-        }
+    fn check(&self, _: Span, scene: &Context<'_>, report: &mut Report) {
         report.names(self);
         for Entry { span, value, .. } in self {
             value.check_place(*span, scene, report);
-            value.check_kind(*span, scene, report);
             value.check_fluid(scene, report);
         }
     }

@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::mechanics::Support;
-use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Number, Time};
 use crate::scene::range::{Range, within};
 use crate::scene::span::{Span, Spanned};
@@ -135,7 +133,7 @@ fn third() -> Number {
 impl Section for Damage {
     const NAME: &'static str = "damage";
 
-    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
         report.positive("length_scale", self.length_scale);
         RESIDUAL_STIFFNESS.check(self.residual_stiffness, report);
         TOLERANCE.check(self.tolerance, report);
@@ -145,56 +143,5 @@ impl Section for Damage {
         shortest
             .into_iter()
             .for_each(|step| report.positive("shortest_step", step));
-        let mechanics = scene.has(&scene.draft.mechanics);
-        report.needs("[damage]", place, &[("[mechanics]", mechanics)]);
-        check_mechanics(place, scene, report);
-        check_time(place, scene, report);
-        check_flow(place, scene, report);
-    }
-}
-
-/// Flow that does not follow damage would pass through cracks as through intact rock. A steady run has
-/// its own fault.
-fn check_flow(place: Span, scene: &Context<'_>, report: &mut Report) {
-    let draft = scene.draft;
-    let steady = (scene.sound(&draft.time)).is_some_and(|time| time.is_steady());
-    // A damaged crack says the same of itself.
-    if scene.has(&draft.flow)
-        && !scene.has(&draft.fracture_flow)
-        && !steady
-        && !scene.has(&draft.cracks)
-    {
-        let fault = Diagnostic::new("[damage] and [flow] need [fracture_flow]").at(place);
-        report.add(fault.help("add [fracture_flow], or leave [flow] or [damage] out"));
-    }
-}
-
-fn check_mechanics(place: Span, scene: &Context<'_>, report: &mut Report) {
-    let Some(mechanics) = scene.sound(&scene.draft.mechanics) else {
-        return;
-    };
-    if mechanics.is_dynamic() {
-        let fault = Diagnostic::new("damage needs quasi-static mechanics").at(mechanics.mode.span);
-        let fault = fault.also(place, "the damage");
-        report.add(fault.help("set mechanics.mode = \"quasi-static\", or leave [damage] out"));
-    }
-    for (_, support) in mechanics.boundary.iter() {
-        if matches!(support.value, Support::Plate { .. }) {
-            let fault = Diagnostic::new("a rigid `plate` and [damage] do not go together");
-            let fault = fault.at(support.span).also(place, "the damage");
-            report.add(fault.help("give the side a `traction` or a `normal_displacement`"));
-        }
-    }
-}
-
-/// Without flow a steady run is one equilibrium at the loads.
-fn check_time(place: Span, scene: &Context<'_>, report: &mut Report) {
-    let draft = scene.draft;
-    let flows = scene.has(&draft.flow) && !scene.has(&draft.fracture_flow);
-    let steady = scene.sound(&draft.time).filter(|time| time.is_steady());
-    if let Some(time) = steady.filter(|_| flows) {
-        let fault = Diagnostic::new("a steady run with [flow] has no [damage]").at(place);
-        let fault = fault.also(time.mode.span, "steady here");
-        report.add(fault.help("give the run an `end`, or leave [flow] or [damage] out"));
     }
 }

@@ -160,7 +160,6 @@ impl Section for Flow {
             report.add(fault.help("add [fluid] with viscosity = \"1 cP\""));
         }
         self.check_operator(report);
-        check_hydrostatic("hydrostatic_start", self.hydrostatic_start, scene, report);
         for (side, condition) in self.boundary.iter() {
             check_condition(side, condition, scene, report);
         }
@@ -198,7 +197,6 @@ fn check_condition(
     match &condition.value {
         Condition::Pressure(given) => {
             report.load(&given.pressure, scene);
-            check_hydrostatic("hydrostatic", given.hydrostatic, scene, report);
         }
         Condition::Flux(given) => report.load(&given.flux, scene),
         Condition::Sealed(given) if !given.sealed.value => {
@@ -206,12 +204,5 @@ fn check_condition(
             report.add(fault.help("write `pressure` or `flux` for an open side"));
         }
         Condition::Sealed(_) => {}
-    }
-}
-
-fn check_hydrostatic(name: &str, typed: Spanned<bool>, scene: &Context<'_>, report: &mut Report) {
-    if typed.value && !scene.has(&scene.draft.gravity) {
-        let fault = Diagnostic::new(format!("`{name}` needs [gravity]")).at(typed.span);
-        report.add(fault.help("add [gravity] with `acceleration`"));
     }
 }

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::time::Integrator;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{InversePressure, Number, Permeability, Viscosity};
 use crate::scene::range::{Range, within};
@@ -95,8 +94,7 @@ pub enum Transmissivity {
 impl Section for FractureFlow {
     const NAME: &'static str = "fracture_flow";
 
-    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
-        let draft = scene.draft;
+    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
         self.check_thresholds(report);
         BIOT_COEFFICIENT.check(self.biot_coefficient, report);
         self.storage
@@ -108,13 +106,6 @@ impl Section for FractureFlow {
         self.permeability
             .into_iter()
             .for_each(|value| report.positive("permeability", value));
-        let needed = [
-            ("[damage]", scene.has(&draft.damage)),
-            ("[flow]", scene.has(&draft.flow)),
-            ("[coupling]", scene.has(&draft.coupling)),
-        ];
-        report.needs("[fracture_flow]", place, &needed);
-        check_time(place, scene, report);
     }
 }
 
@@ -129,25 +120,5 @@ impl FractureFlow {
             let place = typed.into_iter().find(|span| span.is_somewhere());
             report.add(fault.at(place.unwrap_or_default()));
         }
-    }
-}
-
-/// The conductance of a fracture changes with its aperture, within a step too.
-fn check_time(place: Span, scene: &Context<'_>, report: &mut Report) {
-    let Some(time) = scene.sound(&scene.draft.time) else {
-        return;
-    };
-    if time.is_steady() {
-        let fault = Diagnostic::new("a steady run has no flow in fractures").at(place);
-        let fault = fault.also(time.mode.span, "steady here");
-        report.add(fault.help("give the run an `end`, or leave [fracture_flow] out"));
-    }
-    let integrator = time.integrator;
-    if integrator.value == Integrator::TrBdf2 && integrator.span.is_somewhere() {
-        let message =
-            "flow in fractures needs backward-euler: its coefficients change within a step";
-        let fault = Diagnostic::new(message).at(integrator.span);
-        let fault = fault.also(place, "the flow in fractures");
-        report.add(fault.help("set time.integrator = \"backward-euler\", or leave it out"));
     }
 }

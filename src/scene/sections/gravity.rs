@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::Acceleration;
 use crate::scene::span::{Span, Spanned};
 use crate::scene::validate::{Context, Report, Section};
@@ -19,11 +18,7 @@ pub struct Gravity {
 impl Section for Gravity {
     const NAME: &'static str = "gravity";
 
-    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
+    fn check(&self, _: Span, scene: &Context<'_>, report: &mut Report) {
         report.vector("acceleration", &self.acceleration, scene.dimension());
-        if !scene.has(&scene.draft.flow) && !scene.has(&scene.draft.mechanics) {
-            let fault = Diagnostic::new("[gravity] has nothing to act on").at(place);
-            report.add(fault.help("add [flow] or [mechanics], or leave [gravity] out"));
-        }
     }
 }

@@ -4,9 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::flow::Gradient;
-use super::scheme::SchemeName;
 use super::sides::{Boundary, Side, check_side};
-use super::time::Integrator;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::load::Load;
 use crate::scene::quantity::{Dimension, ForceDensity, Number, Pressure, dimension};
@@ -199,12 +197,6 @@ impl Section for Mechanics {
             self.check_load(entry, scene, report);
         }
         self.check_held(place, scene, report);
-        self.check_inertia(scene, report);
-        if scene.has(&scene.draft.flow) && !scene.has(&scene.draft.coupling) {
-            let message = "flow and mechanics without [coupling] would not feel each other";
-            let fault = Diagnostic::new(message).at(place);
-            report.add(fault.help("add [coupling], or run them as two scenes"));
-        }
     }
 }
 
@@ -256,55 +248,6 @@ impl Mechanics {
             let fault = Diagnostic::new(format!("nothing holds the body along {name}")).at(place);
             let help = format!("add roller = true on {low} or {high}, or clamp a side");
             report.add(fault.help(help));
-        }
-    }
-
-    fn check_inertia(&self, scene: &Context<'_>, report: &mut Report) {
-        let draft = scene.draft;
-        if !self.is_dynamic() || scene.faulty.contains("scheme") {
-            return;
-        }
-        if let Some(time) = scene.sound(&draft.time).filter(|time| time.is_steady()) {
-            let fault = Diagnostic::new("a steady run cannot be dynamic").at(self.mode.span);
-            let fault = fault.also(time.mode.span, "steady here");
-            report.add(fault.help("use mode = \"quasi-static\", or a transient run"));
-            return;
-        }
-        let name = scene
-            .sound(&draft.scheme)
-            .map_or_else(Spanned::default, |scheme| scheme.name);
-        if matches!(name.value, SchemeName::Explicit | SchemeName::SemiImplicit) {
-            self.check_dynamic(name, scene, report);
-            return;
-        }
-        let typed = name.span.is_somewhere();
-        let place = if typed { name.span } else { self.mode.span };
-        let fault = Diagnostic::new(format!("`{}` has no inertia", name.name())).at(place);
-        report.add(fault.help(
-            "use scheme.name = \"explicit\" or \"semi-implicit\", or mode = \"quasi-static\"",
-        ));
-    }
-}
-
-impl Mechanics {
-    /// What dynamic schemes do not go together with.
-    fn check_dynamic(&self, name: Spanned<SchemeName>, scene: &Context<'_>, report: &mut Report) {
-        for (_, support) in self.boundary.iter() {
-            if matches!(support.value, Support::Plate { .. }) {
-                let fault = Diagnostic::new("a rigid `plate` has no mass").at(support.span);
-                let fault = fault.also(self.mode.span, "dynamic here");
-                report.add(fault.help("use mode = \"quasi-static\", or a `traction` on the side"));
-            }
-        }
-        let integrator = scene.sound(&scene.draft.time).map(|time| time.integrator);
-        let typed =
-            integrator.filter(|own| own.value == Integrator::TrBdf2 && own.span.is_somewhere());
-        if let Some(typed) =
-            typed.filter(|_| name.value == SchemeName::SemiImplicit && scene.has(&scene.draft.flow))
-        {
-            let fault = Diagnostic::new("dynamics take the pressure by backward Euler");
-            let fault = fault.at(typed.span).also(self.mode.span, "dynamic here");
-            report.add(fault.help("set time.integrator = \"backward-euler\", or leave it out"));
         }
     }
 }

@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::Number;
 use crate::scene::range::{Range, within};
 use crate::scene::span::{Span, Spanned};
@@ -165,35 +164,12 @@ pub enum SolidMethod {
 impl Section for Scheme {
     const NAME: &'static str = "scheme";
 
-    fn check(&self, _: Span, scene: &Context<'_>, report: &mut Report) {
-        self.check_steady(scene, report);
+    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
         RELAXATION.check(self.relaxation, report);
         COUPLING_TOLERANCE.check(self.coupling_tolerance, report);
         COUPLING_ITERATIONS.check_count(self.coupling_iterations, report);
         ADR_TOLERANCE.check(self.adr_tolerance, report);
         ADR_ITERATIONS.check_count(self.adr_iterations, report);
         ADR_SMOOTHING.check(self.adr_smoothing, report);
-    }
-}
-
-impl Scheme {
-    fn check_steady(&self, scene: &Context<'_>, report: &mut Report) {
-        let steady = scene
-            .sound(&scene.draft.time)
-            .filter(|time| time.is_steady());
-        if let Some(time) = steady
-            && matches!(
-                self.name.value,
-                SchemeName::Explicit | SchemeName::SemiImplicit
-            )
-        {
-            let message = format!("a steady run has no {} scheme", self.name.name());
-            let fault = Diagnostic::new(message).at(self.name.span);
-            report.add(
-                fault
-                    .also(time.mode.span, "steady here")
-                    .help("use name = \"implicit\", or a transient run to a late `end`"),
-            );
-        }
     }
 }

@@ -25,11 +25,7 @@ pub struct Well {
 impl Section for Named<Well> {
     const NAME: &'static str = "wells";
 
-    fn check(&self, place: Span, scene: &Context<'_>, report: &mut Report) {
-        if !scene.has(&scene.draft.flow) {
-            let fault = Diagnostic::new("[wells] need [flow]").at(place);
-            report.add(fault.help("add [flow], or leave [wells] out"));
-        }
+    fn check(&self, _: Span, scene: &Context<'_>, report: &mut Report) {
         report.names(self);
         for entry in self {
             report.position("at", &entry.value.at, scene);

@@ -11,7 +11,7 @@
 //! full crack answers to its own opening with a pressure that is wrong a thousand times over.
 
 use super::compliance::Compliance;
-use super::flow::{check_scene, close};
+use super::flow::close;
 use crate::model::Model;
 use crate::plan::{Plan, SchemeChoice, SchemeOptions};
 use crate::schemes::limits::lagged_limit;
@@ -38,16 +38,8 @@ impl<const D: usize> LaggedFracture<D> {
     /// Chooses the solver of flow, if there is one.
     ///
     /// # Errors
-    /// [`StepError`] if it is refused, or if the scene has what this scheme cannot do.
+    /// [`StepError`] if it is refused.
     pub fn new(plan: &Plan, model: &Model<D>) -> Result<Self, StepError> {
-        check_scene(plan, model)?;
-        if coupling_of(model)?.undrained_start {
-            return Err(StepError::Refused {
-                scheme: plan.scheme.name(),
-                reason: "fractures have no undrained start in it; set coupling.undrained_start = false, or \
-                         use --scheme monolithic",
-            });
-        }
         let parts = (flow_of(model)?, coupling_of(model)?);
         let options = plan.scheme_options;
         let solid = Box::new(Relaxation::new(options));

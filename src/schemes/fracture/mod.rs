@@ -75,15 +75,9 @@ impl<const D: usize> Fracture<D> {
     /// Chooses and analyses the solver once.
     ///
     /// # Errors
-    /// [`StepError`] if the solver is refused, or the scene has walls or processes that it cannot have.
+    /// [`StepError`] if the solver is refused.
     pub fn new(demand: &Demand, model: &Model<D>, plan: DamagePlan) -> Result<Self, StepError> {
         let solid = solid_of(model)?;
-        if solid.share().partition().is_some() {
-            return Err(StepError::Refused {
-                scheme: "damage",
-                reason: "it works in one process; start it without mpirun",
-            });
-        }
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
             // Cracks leave next to nothing of the stiffness.

@@ -130,9 +130,13 @@ fn compare<const D: usize>(plan: &Plan, start: bool) -> Result<bool, String> {
     let examined = examine::<D>(plan);
     let checked = examined.as_ref().map(|_| ()).map_err(told);
     // What estimates alone refuse must be what the model refuses.
-    let planned = explain::<D>(plan).map(|explanation| drop(explanation.to_string()));
+    let admitted = schemes::check(plan, 1).map_err(|error| told(&RunError::refused(plan, error)));
+    let planned = admitted.and_then(|()| {
+        let explained = explain::<D>(plan).map_err(|error| error.to_string());
+        explained.map(|explanation| drop(explanation.to_string()))
+    });
     if let Err(error) = &planned
-        && checked != Err(error.to_string())
+        && checked != Err(error.clone())
     {
         return Err(format!("plan: {error}; check: {checked:?}"));
     }
@@ -156,13 +160,11 @@ fn compare<const D: usize>(plan: &Plan, start: bool) -> Result<bool, String> {
 
 /// What a run does before its first step.
 fn begin<const D: usize>(plan: &Plan) -> Result<(), RunError> {
+    let failed = |source| RunError::refused(plan, source);
+    schemes::check(plan, 1).map_err(failed)?;
     let model = Model::<D>::build(plan, &mut Timers::default())?;
     if plan.time.mode == TimeMode::Transient {
-        schemes::build(plan, &model).map_err(|source| RunError::Step {
-            scheme: plan.scheme.name().to_owned(),
-            source,
-            last_output: None,
-        })?;
+        schemes::build(plan, &model).map_err(failed)?;
     }
     Ok(())
 }
@@ -183,7 +185,7 @@ fn started<const D: usize>(plan: &Plan) -> Result<bool, String> {
 fn is_refusal(error: &StepError) -> bool {
     matches!(
         error,
-        StepError::Refused { .. }
+        StepError::Refused(_)
             | StepError::Missing { .. }
             | StepError::Spec(_)
             | StepError::Pattern(_)

@@ -87,9 +87,8 @@ impl<const D: usize> FractureFlowStep<D> {
     /// Chooses and analyses the solvers once.
     ///
     /// # Errors
-    /// [`StepError`] if a solver is refused, or if the scene has what this scheme cannot do.
+    /// [`StepError`] if a solver is refused.
     pub fn new(plan: &Plan, damage: DamagePlan, model: &Model<D>) -> Result<Self, StepError> {
-        check_scene(plan, model)?;
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let together = !matches!(plan.scheme, SchemeChoice::Staggered(_));
         let block = together
@@ -186,28 +185,7 @@ fn part_of(spec: &SolverSpec) -> Result<SolverSpec, StepError> {
         false => "auto".parse::<SolverSpec>()?,
     })
 }
-/// Refuses what no scheme can do where rock that breaks conducts fluid.
-///
-/// # Errors
-/// [`StepError::Refused`] with the remedy.
-pub fn check_scene<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<(), StepError> {
-    let refused = |reason| {
-        Err(StepError::Refused {
-            scheme: "flow in fractures",
-            reason,
-        })
-    };
-    if !solid_of(model)?.walls.is_empty() {
-        return refused("sides do not move in it; use roller, clamped or traction");
-    }
-    if plan.gravity.is_some() {
-        return refused("gravity does not act in it yet; leave [gravity] out");
-    }
-    if !flow_of(model)?.stabilisation.is_empty() {
-        return refused("it has no stabilisation; set coupling.stabilisation = 0");
-    }
-    Ok(())
-}
+
 impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     fn name(&self) -> &str {
         &self.name

@@ -1,0 +1,10 @@
+//! `perifrac schemes`.
+
+use crate::plan::capability;
+
+use super::exit::{Failure, print};
+
+/// Prints what can be combined.
+pub fn run() -> Result<(), Failure> {
+    print(&capability::page())
+}

@@ -1,0 +1,231 @@
+//! What a plan may ask for, as far as it decides what can be combined.
+
+use std::collections::BTreeSet;
+
+use crate::plan::types::{CrackKind, GradientChoice, Integrator, Plan, SideCondition, TimeMode};
+
+/// One thing that a plan may ask for: an effect, an option of one, or the way of the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Feature {
+    /// Flow of a single fluid.
+    Flow,
+    /// An initial pressure that grows with depth.
+    HydrostaticStart,
+    /// A pressure on a side that grows with depth.
+    HydrostaticSide,
+    /// Wells.
+    Wells,
+    /// Gravity.
+    Gravity,
+    /// Deformation.
+    Mechanics,
+    /// Inertia.
+    Dynamic,
+    /// A rigid plate on a side.
+    Plate,
+    /// A side of prescribed displacement that is not zero.
+    MovingSide,
+    /// A load on a part of a side.
+    Loads,
+    /// A force per volume beside gravity.
+    BodyForce,
+    /// Stress before the run.
+    InitialStress,
+    /// The divergence-consistent gradient of the displacement, asked for by name.
+    ConsistentGradient,
+    /// Flow and deformation feel each other.
+    Coupling,
+    /// The run starts from the undrained answer to the first loads.
+    UndrainedStart,
+    /// Storage that only rough pressures feel.
+    Stabilisation,
+    /// Damage.
+    Damage,
+    /// Flow in what is broken.
+    FractureFlow,
+    /// A crack whose bonds do not exist.
+    CutCrack,
+    /// A crack whose points are broken.
+    DamagedCrack,
+    /// A pressure in a crack.
+    CrackPressure,
+    /// Fluid that is pumped into a crack.
+    Injection,
+    /// The steady state instead of steps.
+    Steady,
+    /// Stages of second order.
+    TrBdf2,
+    /// Several processes.
+    Processes,
+}
+
+/// What a plan asks for.
+pub type Features = BTreeSet<Feature>;
+
+impl Feature {
+    /// All of them, in the order of the table.
+    pub const ALL: [Feature; 25] = [
+        Feature::Flow,
+        Feature::HydrostaticStart,
+        Feature::HydrostaticSide,
+        Feature::Wells,
+        Feature::Gravity,
+        Feature::Mechanics,
+        Feature::Dynamic,
+        Feature::Plate,
+        Feature::MovingSide,
+        Feature::Loads,
+        Feature::BodyForce,
+        Feature::InitialStress,
+        Feature::ConsistentGradient,
+        Feature::Coupling,
+        Feature::UndrainedStart,
+        Feature::Stabilisation,
+        Feature::Damage,
+        Feature::FractureFlow,
+        Feature::CutCrack,
+        Feature::DamagedCrack,
+        Feature::CrackPressure,
+        Feature::Injection,
+        Feature::Steady,
+        Feature::TrBdf2,
+        Feature::Processes,
+    ];
+
+    /// The words that ask for it: in a scene, or around the command.
+    pub fn name(self) -> &'static str {
+        match self {
+            Feature::Flow => "[flow]",
+            Feature::HydrostaticStart => "flow.hydrostatic_start = true",
+            Feature::HydrostaticSide => "flow.boundary.SIDE.hydrostatic = true",
+            Feature::Wells => "[wells]",
+            Feature::Gravity => "[gravity]",
+            Feature::Mechanics => "[mechanics]",
+            Feature::Dynamic => "mechanics.mode = \"dynamic\"",
+            Feature::Plate => "mechanics.boundary.SIDE.plate",
+            Feature::MovingSide => "mechanics.boundary.SIDE.displacement",
+            Feature::Loads => "[mechanics.loads]",
+            Feature::BodyForce => "mechanics.body_force",
+            Feature::InitialStress => "mechanics.initial_stress",
+            Feature::ConsistentGradient => "mechanics.gradient = \"divergence-consistent\"",
+            Feature::Coupling => "[coupling]",
+            Feature::UndrainedStart => "coupling.undrained_start = true",
+            Feature::Stabilisation => "coupling.stabilisation > 0",
+            Feature::Damage => "[damage]",
+            Feature::FractureFlow => "[fracture_flow]",
+            Feature::CutCrack => "cracks.NAME.kind = \"cut\"",
+            Feature::DamagedCrack => "cracks.NAME.kind = \"damaged\"",
+            Feature::CrackPressure => "cracks.NAME.pressure",
+            Feature::Injection => "cracks.NAME.injection",
+            Feature::Steady => "time.mode = \"steady\"",
+            Feature::TrBdf2 => "time.integrator = \"tr-bdf2\"",
+            Feature::Processes => "mpirun -n 2",
+        }
+    }
+
+    /// The features of which this one is an option: one of them must be there. Empty if it stands alone.
+    pub fn part_of(self) -> &'static [Feature] {
+        match self {
+            Feature::HydrostaticStart | Feature::HydrostaticSide => &[Feature::Flow],
+            Feature::Dynamic
+            | Feature::Plate
+            | Feature::MovingSide
+            | Feature::Loads
+            | Feature::BodyForce
+            | Feature::InitialStress
+            | Feature::ConsistentGradient => &[Feature::Mechanics],
+            Feature::UndrainedStart | Feature::Stabilisation => &[Feature::Coupling],
+            Feature::Injection => &[Feature::DamagedCrack],
+            Feature::CrackPressure => &[Feature::CutCrack, Feature::DamagedCrack],
+            _ => &[],
+        }
+    }
+}
+
+/// What a plan asks for, run by so many processes.
+pub fn features(plan: &Plan, processes: usize) -> Features {
+    let integrator = plan.scheme.integrator();
+    let asked = [
+        (Feature::Gravity, plan.gravity.is_some()),
+        (Feature::Wells, !plan.wells.is_empty()),
+        (Feature::Damage, plan.damage.is_some()),
+        (Feature::FractureFlow, plan.fracture_flow.is_some()),
+        (Feature::Steady, plan.time.mode == TimeMode::Steady),
+        (Feature::TrBdf2, integrator == Some(Integrator::TrBdf2)),
+        (Feature::Processes, processes > 1),
+    ];
+    let own = asked.into_iter().filter(|(_, asked)| *asked);
+    let mut found: Features = own.map(|(feature, _)| feature).collect();
+    found.extend(of_flow(plan));
+    found.extend(of_mechanics(plan));
+    found.extend(of_coupling(plan));
+    found.extend(of_cracks(plan));
+    found
+}
+
+fn of_flow(plan: &Plan) -> Vec<Feature> {
+    let Some(flow) = &plan.flow else {
+        return Vec::new();
+    };
+    let deep = |side: &SideCondition| matches!(side, SideCondition::Pressure { hydrostatic, .. } if *hydrostatic);
+    let asked = [
+        (Feature::Flow, true),
+        (Feature::HydrostaticStart, flow.hydrostatic_start),
+        (Feature::HydrostaticSide, flow.sides.iter().any(deep)),
+    ];
+    chosen(&asked)
+}
+
+fn of_mechanics(plan: &Plan) -> Vec<Feature> {
+    let Some(mechanics) = &plan.mechanics else {
+        return Vec::new();
+    };
+    let sides = &mechanics.sides;
+    let consistent = mechanics.gradient == GradientChoice::DivergenceConsistent;
+    let asked = [
+        (Feature::Mechanics, true),
+        (Feature::Dynamic, mechanics.inertia),
+        (Feature::Plate, sides.iter().any(|side| side.is_plate())),
+        (Feature::MovingSide, sides.iter().any(|side| side.moves())),
+        (Feature::Loads, !mechanics.loads.is_empty()),
+        (Feature::BodyForce, mechanics.body_force.is_some()),
+        (Feature::InitialStress, mechanics.initial_stress.is_some()),
+        (Feature::ConsistentGradient, consistent),
+    ];
+    chosen(&asked)
+}
+
+fn of_coupling(plan: &Plan) -> Vec<Feature> {
+    let Some(coupling) = &plan.coupling else {
+        return Vec::new();
+    };
+    let asked = [
+        (Feature::Coupling, true),
+        (Feature::UndrainedStart, coupling.undrained_start),
+        (Feature::Stabilisation, coupling.stabilisation > 0.0),
+    ];
+    chosen(&asked)
+}
+
+fn of_cracks(plan: &Plan) -> Vec<Feature> {
+    let cracks = &plan.cracks;
+    let of_kind = |kind| cracks.iter().any(|crack| crack.kind == kind);
+    let asked = [
+        (Feature::CutCrack, of_kind(CrackKind::Cut)),
+        (Feature::DamagedCrack, of_kind(CrackKind::Damaged)),
+        (
+            Feature::CrackPressure,
+            cracks.iter().any(|crack| crack.pressure.is_some()),
+        ),
+        (
+            Feature::Injection,
+            cracks.iter().any(|crack| crack.injection.is_some()),
+        ),
+    ];
+    chosen(&asked)
+}
+
+fn chosen(asked: &[(Feature, bool)]) -> Vec<Feature> {
+    let own = asked.iter().filter(|(_, asked)| *asked);
+    own.map(|(feature, _)| *feature).collect()
+}
