@@ -1,6 +1,6 @@
 //! `perifrac check`.
 
-use super::common::SceneArgs;
+use super::common::{Planned, SceneArgs};
 use super::exit::{Failure, print, warn};
 use super::memory;
 
@@ -14,7 +14,14 @@ pub struct Args {
 /// Checks a scene: its text, its files, its regions, horizon and wells against its points, and whether
 /// its scheme can run it. What is too large to be built in about a second is judged by estimates.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let planned = args.scene.plan()?;
+    let asked = args.scene.ask()?;
+    for (stage, planned) in asked.all() {
+        check(stage, planned)?;
+    }
+    Ok(())
+}
+
+fn check(stage: Option<&str>, planned: &Planned) -> Result<(), Failure> {
     let examined = planned.examine()?;
     let explanation = &examined.explanation;
     explanation
@@ -28,8 +35,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         true => "",
         false => ", by estimates: regions, wells and cracks meet the points only in the run",
     };
+    let stage = stage.map_or(String::new(), |name| format!(", stage {name}"));
     print(&format!(
-        "{}: no faults found ({} points{how})",
+        "{}{stage}: no faults found ({} points{how})",
         planned.plan.case, explanation.points
     ))
 }

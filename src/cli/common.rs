@@ -9,7 +9,7 @@ use crate::geometry::GeometryError;
 use crate::model::ModelError;
 use crate::plan::{FileError, Plan, resolve_for};
 use crate::run::{Examined, RunError, examine_for};
-use crate::scene::{self, Diagnostic, LoadedScene, Span};
+use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
 use crate::schemes;
 
 use super::exit::Failure;
@@ -40,52 +40,116 @@ pub struct Planned {
     pub plan: Plan,
 }
 
+/// What a scene asks for: one run, or several that follow each other.
+pub enum Asked {
+    /// One run.
+    One(Box<Planned>),
+    /// Stages with their names, each of which goes on where the one before it ended.
+    Stages(Vec<(String, Planned)>),
+}
+
+impl Asked {
+    /// Name of the case.
+    pub fn case(&self) -> &str {
+        match self {
+            Asked::One(planned) => &planned.plan.case,
+            Asked::Stages(stages) => stages.first().map_or("", |(_, planned)| &planned.plan.case),
+        }
+    }
+
+    /// All runs, with the names of stages.
+    pub fn all(&self) -> Vec<(Option<&str>, &Planned)> {
+        match self {
+            Asked::One(planned) => vec![(None, planned)],
+            Asked::Stages(stages) => stages
+                .iter()
+                .map(|(name, planned)| (Some(&**name), planned))
+                .collect(),
+        }
+    }
+}
+
+/// Texts of a scene, each of which changes those before it, with the name of its case and the folder that its
+/// paths are relative to.
+type Texts<'a> = (&'a [(&'a str, &'a str)], &'a str, &'a Path);
+
 impl SceneArgs {
     /// Loads and resolves the scene.
     ///
     /// # Errors
     /// [`Failure::Scene`] or [`Failure::Usage`].
+    pub fn ask(&self) -> Result<Asked, Failure> {
+        let overrides = self.all_overrides();
+        let processes = Processes::started().size;
+        self.with_texts(|(layers, case, base)| {
+            let planned = |loaded: LoadedScene| {
+                let plan = resolve_for(&loaded, case, processes)?;
+                Ok(Planned { loaded, plan })
+            };
+            let Some(stages) = scene::load_stages(layers, base, &overrides)? else {
+                let loaded = scene::load_layers(layers, base, &overrides)?;
+                return planned(loaded).map(|one| Asked::One(Box::new(one)));
+            };
+            let stages = stages
+                .into_iter()
+                .map(|stage| Ok((stage.name, planned(stage.loaded)?)));
+            stages
+                .collect::<Result<_, SceneErrors>>()
+                .map(Asked::Stages)
+        })
+    }
+
+    /// As [`SceneArgs::ask`], where only one run will do.
+    ///
+    /// # Errors
+    /// As there; [`Failure::Usage`] for a scene in stages.
     pub fn plan(&self) -> Result<Planned, Failure> {
-        let mut overrides = self.overrides.clone();
+        match self.ask()? {
+            Asked::One(planned) => Ok(*planned),
+            Asked::Stages(_) => Err(Failure::Usage(format!(
+                "{} has stages, which `perifrac run` runs one after the other; give a scene without [[stages]]",
+                self.scene
+            ))),
+        }
+    }
+
+    fn all_overrides(&self) -> Vec<String> {
         let quoted = |value: &str| toml::Value::from(value).to_string();
-        overrides.extend(
-            self.scheme
-                .as_ref()
-                .map(|s| format!("scheme.name={}", quoted(s))),
-        );
-        overrides.extend(
-            self.solver
-                .as_ref()
-                .map(|s| format!("solver.name={}", quoted(s))),
-        );
+        let scheme = self.scheme.as_ref();
+        let solver = self.solver.as_ref();
+        let mut overrides = self.overrides.clone();
+        overrides.extend(scheme.map(|s| format!("scheme.name={}", quoted(s))));
+        overrides.extend(solver.map(|s| format!("solver.name={}", quoted(s))));
+        overrides
+    }
+
+    /// Hands the texts of the scene to `load`.
+    fn with_texts<T>(
+        &self,
+        load: impl FnOnce(Texts<'_>) -> Result<T, SceneErrors>,
+    ) -> Result<T, Failure> {
         let path = Path::new(&self.scene);
         let (case, variant) = match self.scene.split_once('/') {
             Some((case, variant)) => (case, Some(variant)),
             None => (&*self.scene, None),
         };
         let bundled = cases::find(case).filter(|_| !path.is_file());
-        let (case, loaded) = match bundled {
-            Some(case) => {
-                let layers = case
-                    .layers(variant)
-                    .ok_or_else(|| unknown_variant(case, variant.unwrap_or_default()))?;
-                let layers: Vec<(&str, &str)> =
-                    layers.iter().map(|(name, text)| (&**name, *text)).collect();
-                (
-                    self.scene.replace('/', "-"),
-                    scene::load_layers(&layers, Path::new(""), &overrides)?,
-                )
-            }
-            None if path.exists() || looks_like_path(&self.scene) => {
-                let loaded = scene::load_file(path, &overrides)?;
-                // What changes another file is named after the case, as a bundled variant is.
-                let is_variant = Path::new(loaded.sources.name()) != path;
-                (case_name(path, is_variant), loaded)
-            }
-            None => return Err(unknown_case(&self.scene)),
-        };
-        let plan = resolve_for(&loaded, &case, Processes::started().size)?;
-        Ok(Planned { loaded, plan })
+        if let Some(case) = bundled {
+            let layers = case
+                .layers(variant)
+                .ok_or_else(|| unknown_variant(case, variant.unwrap_or_default()))?;
+            let layers: Vec<(&str, &str)> =
+                layers.iter().map(|(name, text)| (&**name, *text)).collect();
+            let name = self.scene.replace('/', "-");
+            return Ok(load((&layers, &name, Path::new("")))?);
+        }
+        if !path.exists() && !looks_like_path(&self.scene) {
+            return Err(unknown_case(&self.scene));
+        }
+        Ok(scene::with_layers(path, |layers, base| {
+            // What changes another file is named after the case, as a bundled variant is.
+            load((layers, &case_name(path, layers.len() > 1), base))
+        })?)
     }
 }
 

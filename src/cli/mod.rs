@@ -16,6 +16,7 @@ mod run;
 mod schema;
 mod schemes;
 mod solvers;
+mod stages;
 mod study;
 mod threads;
 

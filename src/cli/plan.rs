@@ -30,14 +30,20 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(error) = args.for_error {
         return forecast(args, error);
     }
-    let planned = args.scene.plan()?;
-    let mut explanation = planned.examine()?.explanation;
-    let shortage = memory::shortage(&explanation.memory, None);
-    explanation.warnings.extend(shortage);
-    if args.json {
-        return print(&serde_json::to_string_pretty(&explanation).unwrap_or_default());
+    let asked = args.scene.ask()?;
+    for (stage, planned) in asked.all() {
+        let mut explanation = planned.examine()?.explanation;
+        let shortage = memory::shortage(&explanation.memory, None);
+        explanation.warnings.extend(shortage);
+        if let (Some(stage), false) = (stage, args.json) {
+            print(&format!("stage {stage}"))?;
+        }
+        match args.json {
+            true => print(&serde_json::to_string_pretty(&explanation).unwrap_or_default())?,
+            false => print(&explanation.to_string())?,
+        }
     }
-    print(&explanation.to_string())
+    Ok(())
 }
 
 /// Time of the calibration, and of its longest run.

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use crate::output::OutputError;
 use crate::plan::resolve_for;
-use crate::run::{Checkpoint, Writer};
+use crate::run::{Checkpoint, Summary};
 use crate::scene::load_str;
 
-use super::common::Planned;
+use super::common::{Asked, Planned};
 use super::exit::{Failure, print, warn};
 use super::processes::Processes;
-use super::run::{How, carry_out};
+use super::run::{Desk, How};
+use super::stages;
 
 /// Arguments of `resume`.
 #[derive(Debug, clap::Args)]
@@ -27,44 +28,69 @@ pub struct Args {
 
 /// Goes on with a run to the same results, to the last bit, that it would have had without the stop.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let processes = Processes::started();
+    if stages::is_staged(&args.folder) {
+        return stages::resume(&args.folder, &args.how);
+    }
     let checkpoint = match &args.from {
         Some(path) => Checkpoint::read(path)?,
         None => Checkpoint::newest(&args.folder)?,
     };
     let resolved = resolved(&args.folder)?;
     checkpoint.check_scene(&resolved)?;
-    checkpoint.check_processes(processes.size)?;
-    let planned = planned(&checkpoint, processes.size)?;
+    checkpoint.check_processes(Processes::started().size)?;
     if checkpoint.header.finished && args.folder.join("summary.json").is_file() {
         return told_finished(args, &checkpoint);
     }
-    args.how.prepare(&planned)?;
-    if checkpoint.is_of_another_build() && processes.leads() && !args.how.is_quiet() {
+    let planned = planned(&checkpoint)?;
+    let asked = Asked::One(Box::new(planned));
+    args.how.prepare(&asked)?;
+    let mut desk = Desk::new(&args.how)?;
+    for (_, planned) in asked.all() {
+        let summary = go_on(
+            &mut desk,
+            planned,
+            &args.folder,
+            &resolved,
+            checkpoint.clone(),
+        )?;
+        desk.tell(&summary, &args.folder)?;
+    }
+    Ok(())
+}
+
+/// Goes on in a folder from a checkpoint of its own.
+///
+/// # Errors
+/// [`Failure`] of the run.
+pub fn go_on(
+    desk: &mut Desk<'_>,
+    planned: &Planned,
+    folder: &Path,
+    resolved: &str,
+    checkpoint: Checkpoint,
+) -> Result<Summary, Failure> {
+    if checkpoint.is_of_another_build() && Processes::started().leads() && !desk.is_quiet() {
         warn(&format!(
             "{} was written by another build of this version: results may differ by rounding",
             checkpoint.path.display()
         ));
     }
-    let team = processes.team()?;
-    let writer = match processes.leads() {
-        true => Writer::go_on(&args.folder, &resolved)?,
-        false => Writer::follow(&args.folder, &resolved),
-    };
-    carry_out(&planned, &args.how, team.as_ref(), writer, Some(checkpoint))
+    let writer = desk.resumed_writer(folder, resolved)?;
+    desk.carry_out(planned, writer, Some(checkpoint))
 }
 
 /// The scene that a run in the folder had.
-fn resolved(folder: &Path) -> Result<String, OutputError> {
+pub fn resolved(folder: &Path) -> Result<String, OutputError> {
     let path = folder.join("resolved.toml");
     std::fs::read_to_string(&path).map_err(|e| OutputError::from_io(&path, "read the scene", e))
 }
 
 /// The plan of the scene in a checkpoint.
-fn planned(checkpoint: &Checkpoint, processes: usize) -> Result<Planned, Failure> {
+pub fn planned(checkpoint: &Checkpoint) -> Result<Planned, Failure> {
     let name = checkpoint.path.display().to_string();
     let record = &checkpoint.record;
     let loaded = load_str(&name, &record.scene, &record.base, &[])?;
+    let processes = Processes::started().size;
     let plan = resolve_for(&loaded, &checkpoint.header.case, processes)?;
     Ok(Planned { loaded, plan })
 }

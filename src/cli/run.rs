@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use perifrac_solvers::Team;
+use perifrac_solvers::{Interrupt, Team};
 
 use crate::output::{OutputError, checkpoint};
 use crate::run::{
@@ -12,13 +12,13 @@ use crate::run::{
 };
 use crate::scene::units;
 
-use super::common::{Planned, SceneArgs};
+use super::common::{Asked, Planned, SceneArgs};
 use super::exit::{Failure, print, say, tell_of_kept};
 use super::interrupt::handled;
 use super::label::label;
 use super::processes::Processes;
 use super::progress::Console;
-use super::{memory, threads};
+use super::{memory, stages, threads};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
@@ -94,9 +94,17 @@ impl How {
     ///
     /// # Errors
     /// [`Failure::Usage`], [`Failure::Memory`], or what the scene is refused for.
-    pub fn prepare(&self, planned: &Planned) -> Result<(), Failure> {
+    pub fn prepare(&self, asked: &Asked) -> Result<(), Failure> {
         threads::set(self.threads, Processes::started().threads())?;
-        memory::check(&planned.explain()?.memory, self.memory)
+        for (_, planned) in asked.all() {
+            memory::check(&planned.explain()?.memory, self.memory)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the summary is printed as JSON.
+    pub fn is_json(&self) -> bool {
+        self.json
     }
 
     /// Whether nothing but errors is told.
@@ -107,74 +115,154 @@ impl How {
 
 /// Runs a scene.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let processes = Processes::started();
-    let planned = args.scene.plan()?;
-    args.how.prepare(&planned)?;
+    let asked = args.scene.ask()?;
+    args.how.prepare(&asked)?;
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| default_folder(&args.scene, &planned.plan.case));
+        .unwrap_or_else(|| default_folder(&args.scene, asked.case()));
     check_folder(&folder)?;
-    let team = processes.team()?;
-    let resolved = planned.loaded.resolved_toml();
-    let writer = match processes.leads() {
-        true => Writer::create(&folder, &resolved)?,
-        false => Writer::follow(&folder, &resolved),
-    };
-    carry_out(&planned, &args.how, team.as_ref(), writer, None)
+    match asked {
+        Asked::One(planned) => {
+            let mut desk = Desk::new(&args.how)?;
+            let writer = desk.writer(&folder, &planned)?;
+            let summary = desk.carry_out(&planned, writer, None)?;
+            desk.tell(&summary, &folder)
+        }
+        Asked::Stages(stages) => stages::run(stages, &args.how, &folder),
+    }
 }
 
-/// Runs a plan from its beginning or from a checkpoint, and tells how it went.
-///
-/// # Errors
-/// [`Failure`] of the run.
-pub fn carry_out(
-    planned: &Planned,
-    how: &How,
-    team: Option<&Arc<dyn Team>>,
-    mut writer: Writer,
-    from: Option<Checkpoint>,
-) -> Result<(), Failure> {
-    let processes = Processes::started();
-    let snapshot = Snapshot::default();
-    let interrupt = handled(&snapshot);
-    let mut console = Console::new(how.quiet || !processes.leads());
-    let (plan, base) = (&planned.plan, &planned.loaded.base_dir);
-    let job = Job {
-        team,
-        writer: Some(&mut writer),
-        observer: &mut console,
-        interrupt: &interrupt,
-        settings: how.settings(),
-        base: base.canonicalize().unwrap_or_else(|_| base.clone()),
-        from,
-        snapshot,
-    };
-    let result = match plan.dimension {
-        2 => run_job::<2>(plan, job),
-        _ => run_job::<3>(plan, job),
-    };
-    console.finish();
-    tell_of_kept(&writer.kept());
-    let (summary, _) = result.map_err(|error| {
-        tell_of_checkpoint(&error, writer.folder());
-        planned.failure(error)
-    })?;
-    if !processes.leads() {
-        return Ok(());
+/// What runs of one command share: processes, and what a signal does.
+pub struct Desk<'a> {
+    how: &'a How,
+    /// Whether it goes on with what was begun.
+    resumes: bool,
+    team: Option<Arc<dyn Team>>,
+    interrupt: Interrupt,
+    snapshot: Snapshot,
+}
+
+impl<'a> Desk<'a> {
+    /// Brings the processes together and listens to signals.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if processes cannot be brought together.
+    pub fn new(how: &'a How) -> Result<Self, Failure> {
+        let team = Processes::started().team()?;
+        let snapshot = Snapshot::default();
+        Ok(Desk {
+            how,
+            resumes: false,
+            team,
+            interrupt: handled(&snapshot),
+            snapshot,
+        })
     }
-    if how.json {
-        let text = serde_json::to_string(&summary).unwrap_or_default();
-        return print(&text);
+
+    /// The writer of a run that begins.
+    ///
+    /// # Errors
+    /// Those of [`Writer::create`].
+    pub fn writer(&self, folder: &Path, planned: &Planned) -> Result<Writer, Failure> {
+        let resolved = planned.loaded.resolved_toml();
+        Ok(match Processes::started().leads() {
+            true => Writer::create(folder, &resolved)?,
+            false => Writer::follow(folder, &resolved),
+        })
     }
-    if how.quiet {
-        return Ok(());
+
+    /// The writer of a run that goes on.
+    ///
+    /// # Errors
+    /// Those of [`Writer::go_on`].
+    pub fn resumed_writer(&self, folder: &Path, resolved: &str) -> Result<Writer, Failure> {
+        Ok(match Processes::started().leads() {
+            true => Writer::go_on(folder, resolved)?,
+            false => Writer::follow(folder, resolved),
+        })
     }
-    print(&format!(
-        "{}results in {}",
-        describe(&summary),
-        writer.folder().display()
-    ))
+
+    /// Goes on with what was begun.
+    pub fn resume(self) -> Self {
+        Desk {
+            resumes: true,
+            ..self
+        }
+    }
+
+    /// Whether it goes on with what was begun.
+    pub fn resumes(&self) -> bool {
+        self.resumes
+    }
+
+    /// Whether nothing but errors is told.
+    pub fn is_quiet(&self) -> bool {
+        self.how.quiet
+    }
+
+    /// Runs a plan from its beginning or from a checkpoint.
+    ///
+    /// # Errors
+    /// [`Failure`] of the run.
+    pub fn carry_out(
+        &mut self,
+        planned: &Planned,
+        mut writer: Writer,
+        from: Option<Checkpoint>,
+    ) -> Result<Summary, Failure> {
+        let leads = Processes::started().leads();
+        let mut console = Console::new(self.how.quiet || !leads);
+        let (plan, base) = (&planned.plan, &planned.loaded.base_dir);
+        let here = if base.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            base
+        };
+        let job = Job {
+            team: self.team.as_ref(),
+            writer: Some(&mut writer),
+            observer: &mut console,
+            interrupt: &self.interrupt,
+            settings: self.how.settings(),
+            base: here.canonicalize().unwrap_or_else(|_| base.clone()),
+            from,
+            snapshot: self.snapshot.clone(),
+        };
+        let result = match plan.dimension {
+            2 => run_job::<2>(plan, job),
+            _ => run_job::<3>(plan, job),
+        };
+        console.finish();
+        tell_of_kept(&writer.kept());
+        let (summary, _) = result.map_err(|error| {
+            tell_of_checkpoint(&error, writer.folder());
+            planned.failure(error)
+        })?;
+        Ok(summary)
+    }
+
+    /// Tells how a run went.
+    ///
+    /// # Errors
+    /// [`Failure`] if it cannot be printed.
+    pub fn tell(&self, summary: &Summary, folder: &Path) -> Result<(), Failure> {
+        if !Processes::started().leads() {
+            return Ok(());
+        }
+        if self.how.json {
+            let text = serde_json::to_string(summary).unwrap_or_default();
+            return print(&text);
+        }
+        if self.how.quiet {
+            return Ok(());
+        }
+        print(&format!(
+            "{}results in {}",
+            describe(summary),
+            folder.display()
+        ))
+    }
 }
 
 /// Says how to go on after what is no fault of the scene.

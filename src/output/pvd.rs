@@ -57,6 +57,21 @@ impl Pvd {
         Ok(collection)
     }
 
+    /// Times, s, and files of a collection, relative to it; none where there is no such file.
+    ///
+    /// # Errors
+    /// [`OutputError::Malformed`] if this program did not write it, else why it cannot be read.
+    pub fn read(path: &Path) -> Result<Vec<(f64, String)>, OutputError> {
+        if !path.exists() {
+            return Ok(Vec::new());
+        }
+        let text = std::fs::read_to_string(path);
+        parse(
+            path,
+            &text.map_err(|e| OutputError::from_io(path, "read it", e))?,
+        )
+    }
+
     /// Times of the outputs, s.
     pub fn times(&self) -> Vec<f64> {
         self.entries.iter().map(|(time, _)| *time).collect()

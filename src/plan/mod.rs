@@ -18,6 +18,7 @@ pub use types::{
     GradientChoice, GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan,
     MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
     ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition,
-    SolidMethod, StepRule, Support, TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
+    SolidMethod, StartPlan, StepRule, Support, TimeMode, TimePlan, TractionPlan,
+    TransmissivityRule, WellPlan,
 };
 pub use width::{damage_width, width_warning};

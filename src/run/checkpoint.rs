@@ -38,6 +38,10 @@ pub struct Record {
 /// Where a run stands beside its state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Course {
+    /// Time that the run began with, s.
+    pub start: f64,
+    /// Pressure that it began with, Pa; empty unless it was taken over.
+    pub reference: Vec<f64>,
     pub scale: Scale,
     pub control: StepControl,
     /// Stops behind.
@@ -110,12 +114,23 @@ impl Checkpoint {
         }
     }
 
+    /// Reads a checkpoint, or the newest one in the folder of a run.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::newest`].
+    pub fn open(path: &Path) -> Result<Self, CheckpointError> {
+        match path.is_dir() {
+            true => Self::newest(path),
+            false => Self::read(path),
+        }
+    }
+
     /// Whether another build of the same version wrote it, which may round otherwise.
     pub fn is_of_another_build(&self) -> bool {
         self.header.build != checkpoint::build()
     }
 
-    fn misfit(&self, reason: String) -> CheckpointError {
+    pub(super) fn misfit(&self, reason: String) -> CheckpointError {
         CheckpointError::Misfit {
             path: self.path.clone(),
             reason,

@@ -39,7 +39,8 @@ pub fn openings<const D: usize>(model: &Model<D>, state: &State, crack: usize) -
     let Some(solid) = &model.solid else {
         return Vec::new();
     };
-    let moved = |place: &Place<D>| solid.displacement_at(&state.displacement, &state.walls, place);
+    let (displacement, walls) = (state.shown_displacement(), state.shown_walls());
+    let moved = |place: &Place<D>| solid.displacement_at(&displacement, &walls, place);
     let jump = |faces: &Faces<D>| faces.jump([0, 1].map(|side| moved(&faces.sides[side])));
     model.places.cracks[crack].iter().map(jump).collect()
 }
@@ -132,14 +133,14 @@ pub fn row<const D: usize>(
         row.extend(flow.pressures_at(&state.pressure, state.time, probes));
     }
     if let (Some(solid), Some(mechanics)) = (&model.solid, &plan.mechanics) {
-        row.push(largest::<D>(&state.displacement));
-        let moved = solid.displacements_at(&state.displacement, &state.walls, probes);
+        let (displacement, walls) = (state.shown_displacement(), state.shown_walls());
+        row.push(largest::<D>(&displacement));
+        let moved = solid.displacements_at(&displacement, &walls, probes);
         row.extend(moved.iter().flat_map(|moved| moved.iter()));
         let place = |side: Side| {
             let on = |wall: &MovingWall| wall.side == side && wall.component == side.axis;
             let wall = solid.walls.iter().position(on);
-            wall.and_then(|k| state.walls.get(k).copied())
-                .unwrap_or(0.0)
+            wall.and_then(|k| walls.get(k).copied()).unwrap_or(0.0)
         };
         row.extend(plates::<D>(mechanics).map(place));
         for crack in 0..plan.cracks.len() {

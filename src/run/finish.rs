@@ -71,7 +71,7 @@ impl<const D: usize> Run<'_, D> {
             errors_over_time: self.timed_errors.clone(),
             outflow: self.outflow().unwrap_or_default(),
             pressure_range: flow.map(|_| extremes(&self.state.pressure)),
-            displacement_max: solid.map(|_| largest::<D>(&self.state.displacement)),
+            displacement_max: solid.map(|_| largest::<D>(&self.state.shown_displacement())),
             coupling: self.coupling(&counters),
             results: self.plan.damage.map(|_| self.tracker.results.clone()),
             balance: in_slab(self.plan, &self.balance),
@@ -277,7 +277,8 @@ impl<const D: usize> Run<'_, D> {
             values.copy_from_slice(&exact.displacement(x, time));
         });
         let volume: Vec<f64> = cloud.volume.iter().flat_map(|v| [*v; D]).collect();
-        let norms = ErrorNorms::compare(&self.state.displacement, &exact, &volume, &[]).ok()?;
+        let norms =
+            ErrorNorms::compare(&self.state.shown_displacement(), &exact, &volume, &[]).ok()?;
         Some(norms.into())
     }
 

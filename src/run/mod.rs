@@ -15,6 +15,7 @@ mod settings;
 mod stops;
 mod suction;
 mod summary;
+mod takeover;
 mod time_loop;
 mod writer;
 
@@ -26,6 +27,6 @@ pub use fracture::Results;
 pub use settings::{CheckpointRule, Settings};
 pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
 pub use time_loop::{Job, Observer, Progress, run, run_job};
-pub use writer::Writer;
+pub use writer::{StagedFolder, Writer};
 
 pub use perifrac_solvers::Interrupt;

@@ -96,6 +96,16 @@ impl<const D: usize> Run<'_, D> {
         })
     }
 
+    /// Pressure that the run began with, where another one left it.
+    fn taken_over(&self) -> Vec<f64> {
+        let flow = self
+            .model
+            .flow
+            .as_ref()
+            .filter(|_| self.plan.start.is_some());
+        flow.map_or_else(Vec::new, |flow| flow.initial.clone())
+    }
+
     /// Everything from which the run could go on.
     fn record(&self, scheme: &dyn Scheme<D>, march: &March) -> Option<Record> {
         let writer = self.writer.as_ref()?;
@@ -110,6 +120,8 @@ impl<const D: usize> Run<'_, D> {
             state: self.state.clone(),
             files: writer.record(self.plan),
             course: Course {
+                start: self.plan.time.start,
+                reference: self.taken_over(),
                 scale: march.scale,
                 control: march.control.clone(),
                 passed: march.stops.passed(),

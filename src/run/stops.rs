@@ -30,7 +30,8 @@ pub struct Stops {
 impl Stops {
     /// Stops of a plan whose loads have the given breakpoints.
     pub fn new(plan: &Plan, breakpoints: &[f64]) -> Self {
-        let end = plan.time.end;
+        let (start, end) = (plan.time.start, plan.time.end);
+        let first = start + 1e-12 * end;
         let outputs = plan
             .output
             .times
@@ -42,7 +43,7 @@ impl Stops {
         });
         let mut stops: Vec<Stop> = outputs
             .chain(breaks)
-            .filter(|stop| stop.time > 0.0 && stop.time < end * (1.0 - 1e-12))
+            .filter(|stop| stop.time > first && stop.time < end * (1.0 - 1e-12))
             .collect();
         stops.push(Stop {
             time: end,

@@ -14,10 +14,10 @@ use super::restart::Before;
 use super::scale::Scale;
 use super::settings::Settings;
 use super::stops::{Stops, clamp};
-use super::{RunError, Summary, TimedErrors, Writer};
+use super::{RunError, Summary, TimedErrors, Writer, takeover};
 use crate::model::Model;
 use crate::output::OutputError;
-use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode};
+use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode, TimePlan};
 use crate::report::{Balance, Timers};
 use crate::schemes::{
     self, Assembled, FlowStage, Fracture, Implicit, Scheme, SchemeCounters, SolidSolver, State,
@@ -129,7 +129,7 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
     schemes::check(plan, processes).map_err(|error| RunError::refused(plan, error))?;
     let mut timers = Timers::default();
     timers.begin("other");
-    let model = Model::<D>::build_with(plan, team, &mut timers)?;
+    let mut model = Model::<D>::build_with(plan, team, &mut timers)?;
     let warnings: Vec<String> = plan
         .warnings
         .iter()
@@ -137,7 +137,8 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         .cloned()
         .collect();
     warnings.iter().for_each(|warning| observer.warn(warning));
-    let state = State::initial(&model);
+    let state = takeover::initial_state(plan, from.as_ref(), &mut model, processes)?;
+    let plan = &takeover::at_its_time(plan, from.as_ref(), &state)?;
     let mut run = Run {
         plan,
         model,
@@ -501,7 +502,7 @@ impl<const D: usize> Run<'_, D> {
             self.observer.warn(&message);
             self.warnings.push(message);
         }
-        let first = time.first_step.unwrap_or(1e-4 * time.end);
+        let first = time.first_step.unwrap_or(1e-4 * (time.end - time.start));
         let control = StepControl::new(time, scheme.local_order(), first);
         match self.plan.damage {
             Some(_) => control.restless(),
@@ -531,7 +532,7 @@ impl<const D: usize> Run<'_, D> {
         let stage = Box::new(FlowStage::new(&self.plan.stage_demand(), flow)?);
         let mut probe = Implicit::new(Integrator::BackwardEuler, stage, false);
         let mut here = self.state.clone();
-        for time in legs(&self.model.breakpoints(), self.plan.time.end) {
+        for time in legs(&self.model.breakpoints(), &self.plan.time) {
             let mut far = here.clone();
             probe.step(&self.model, &here, time - here.time, &mut far)?;
             let pairs = far.pressure.iter().zip(&start);
@@ -574,7 +575,7 @@ impl<const D: usize> Run<'_, D> {
 
     pub(super) fn write_fields(&mut self) -> Result<(), RunError> {
         self.last_output = Some(self.state.time);
-        if self.state.time > 0.0 || self.plan.time.mode == TimeMode::Steady {
+        if self.state.time > self.plan.time.start || self.plan.time.mode == TimeMode::Steady {
             self.record_errors();
         }
         let Some(writer) = &mut self.writer else {
@@ -591,9 +592,10 @@ impl<const D: usize> Run<'_, D> {
 }
 
 /// Times between which loads hardly bend, to the end of the run: those of `breaks`, or a part of them.
-fn legs(breaks: &[f64], end: f64) -> Vec<f64> {
+fn legs(breaks: &[f64], plan: &TimePlan) -> Vec<f64> {
+    let (start, end) = (plan.start, plan.end);
     let inside: Vec<f64> = (breaks.iter().copied())
-        .filter(|time| *time > 0.0 && *time < end)
+        .filter(|time| *time > start && *time < end)
         .collect();
     let stride = inside.len().div_ceil(MOST_LEGS).max(1);
     let kept = inside.into_iter().skip(stride - 1).step_by(stride);

@@ -10,7 +10,7 @@ use super::Scene;
 use super::diagnostics::Diagnostic;
 use super::sections::{
     Audit, Coupling, Crack, Damage, Flow, Fluid, FractureFlow, Geometry, Gravity, Horizon,
-    Material, Mechanics, Output, Reference, Scheme, Solver, TimeControl, Well,
+    Material, Mechanics, Output, Reference, Scheme, Solver, Start, TimeControl, Well,
 };
 use super::span::{Named, Spanned};
 use super::validate::{Context, Report, Section};
@@ -51,6 +51,8 @@ pub(super) struct Draft {
     pub cracks: Option<Spanned<Named<Crack>>>,
     /// Sources and sinks at points; act if present.
     pub wells: Option<Spanned<Named<Well>>>,
+    /// The run that this one goes on from.
+    pub start: Option<Spanned<Start>>,
     /// How long, and in which steps.
     #[schemars(required)]
     pub time: Option<Spanned<TimeControl>>,
@@ -83,6 +85,7 @@ impl Draft {
         check(&self.fracture_flow, scene, &mut report);
         check(&self.cracks, scene, &mut report);
         check(&self.wells, scene, &mut report);
+        check(&self.start, scene, &mut report);
         check(&self.time, scene, &mut report);
         check(&self.scheme, scene, &mut report);
         check(&self.solver, scene, &mut report);
@@ -145,6 +148,7 @@ impl Draft {
             fracture_flow: self.fracture_flow,
             cracks: self.cracks.unwrap_or_default(),
             wells: self.wells.unwrap_or_default(),
+            start: self.start,
             time: self.time?,
             scheme: self.scheme.unwrap_or_default(),
             solver: self.solver.unwrap_or_default(),

@@ -46,12 +46,24 @@ impl LoadedScene {
 /// # Errors
 /// All faults at once: the file cannot be read, syntax, unknown keys, units, broken rules.
 pub fn load_file(path: &Path, overrides: &[String]) -> Result<LoadedScene, SceneErrors> {
+    with_layers(path, |layers, base_dir| {
+        load_layers(layers, base_dir, overrides)
+    })
+}
+
+/// Hands the texts of a scene file and its bases to `load`, with the folder that its paths are relative to.
+///
+/// # Errors
+/// [`SceneErrors`] for a file that cannot be read, and those of `load`.
+pub fn with_layers<T>(
+    path: &Path,
+    load: impl FnOnce(&[(&str, &str)], &Path) -> Result<T, SceneErrors>,
+) -> Result<T, SceneErrors> {
     let layers = base::layers(path)?;
     let layers: Vec<(&str, &str)> = (layers.iter())
         .map(|layer| (&*layer.name, &*layer.text))
         .collect();
-    let base_dir = path.parent().unwrap_or_else(|| Path::new(""));
-    load_layers(&layers, base_dir, overrides)
+    load(&layers, path.parent().unwrap_or_else(|| Path::new("")))
 }
 
 /// Loads a scene from a text; `name` stands for it in messages, paths in it are relative to

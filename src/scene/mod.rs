@@ -25,6 +25,7 @@ mod sections;
 mod shape;
 mod sources;
 mod span;
+mod stages;
 mod suggest;
 mod tree;
 pub mod units;
@@ -35,13 +36,14 @@ pub(crate) mod rules_tests;
 
 pub use diagnostics::{Diagnostic, SceneErrors};
 pub use load::{Load, TimeSeries};
-pub use loading::{LoadedScene, load_file, load_layers, load_str};
+pub use loading::{LoadedScene, load_file, load_layers, load_str, with_layers};
 pub use quantity::{Dimension, Quantity};
 pub use schema::json_schema;
 pub use sections::*;
 pub use shape::{BoxShape, DiscShape, HalfPlaneShape, PolygonShape, Shape};
 pub use sources::Sources;
 pub use span::{Entry, Named, Span, Spanned};
+pub use stages::{Stage, load_stages};
 pub use suggest::{closest, one_of};
 
 /// What the user typed, complete and free of contradictions.
@@ -77,6 +79,8 @@ pub struct Scene {
     pub cracks: Spanned<Named<Crack>>,
     /// Sources and sinks at points, in the order of the file.
     pub wells: Spanned<Named<Well>>,
+    /// The run that this one goes on from, if it does.
+    pub start: Option<Spanned<Start>>,
     /// How long, and in which steps.
     pub time: Spanned<TimeControl>,
     /// How the step is taken.

@@ -1,5 +1,6 @@
 //! The fields of a run, and their changes in a step.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,10 @@ pub struct State {
     /// Largest driving energy of damage at the end of the steps so far, J/m³, shape `(n,)`; only with
     /// damage.
     pub history: Vec<f64>,
+    /// Displacement from which outputs count, m, shape `(n·D,)`; empty where they count from none.
+    pub datum: Vec<f64>,
+    /// The same of the walls, m, shape `(walls,)`.
+    pub datum_walls: Vec<f64>,
     /// Coefficients of flow as they followed what broke; only with flow in fractures.
     pub coefficients: Option<Arc<Coefficients>>,
     /// What the scheme carries over to the next step.
@@ -38,6 +43,14 @@ pub struct Increment {
     pub displacement: Vec<f64>,
     /// m, shape `(walls,)`.
     pub walls: Vec<f64>,
+}
+
+/// What leads from a datum to a value; all of it without a datum.
+fn since<'a>(values: &'a [f64], datum: &[f64]) -> Cow<'a, [f64]> {
+    match datum.is_empty() {
+        true => Cow::Borrowed(values),
+        false => Cow::Owned(values.iter().zip(datum).map(|(v, d)| v - d).collect()),
+    }
 }
 
 impl State {
@@ -58,9 +71,21 @@ impl State {
             history: solid
                 .and_then(|solid| solid.damage.as_ref())
                 .map_or_else(Vec::new, |damage| damage.initial.clone()),
+            datum: Vec::new(),
+            datum_walls: Vec::new(),
             coefficients: model.coefficients(),
             memory: Memory::default(),
         }
+    }
+
+    /// Displacement as outputs tell it, m, shape `(n·D,)`.
+    pub fn shown_displacement(&self) -> Cow<'_, [f64]> {
+        since(&self.displacement, &self.datum)
+    }
+
+    /// Displacement of the walls as outputs tell it, m, shape `(walls,)`.
+    pub fn shown_walls(&self) -> Cow<'_, [f64]> {
+        since(&self.walls, &self.datum_walls)
     }
 
     /// Name and bytes of every field held.
@@ -71,6 +96,7 @@ impl State {
             ("velocity", &self.velocity),
             ("walls", &self.walls),
             ("history", &self.history),
+            ("datum", &self.datum),
         ];
         let held = all.into_iter().filter(|(_, field)| !field.is_empty());
         held.map(|(name, field)| (name, 8 * field.len())).collect()

@@ -25,6 +25,7 @@ pub(super) fn time(time: &scene::TimeControl, fractures: bool) -> TimePlan {
         } else {
             TimeMode::Transient
         },
+        start: 0.0,
         end: time.end.filter(|_| !steady).map_or(0.0, |end| end.value()),
         step: time
             .step

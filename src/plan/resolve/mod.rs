@@ -14,10 +14,10 @@ mod tests;
 
 use perifrac_solvers::SolverSpec;
 
-use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, TimeMode};
+use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, StartPlan, TimeMode};
 use crate::geometry::Side;
 use crate::plan::capability;
-use crate::scene::{Diagnostic, LoadedScene, SceneErrors, Span};
+use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
 
 /// Resolves a loaded scene for a run in one process; `case` is its name in reports.
 ///
@@ -120,6 +120,7 @@ impl Resolver<'_> {
             gravity: scene.gravity.as_deref().map(flow::gravity),
             cracks: fracture::cracks(scene, thickness),
             wells: flow::wells(scene, thickness),
+            start: scene.start.as_deref().map(|start| self.start(start)),
             time,
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),
@@ -133,6 +134,14 @@ impl Resolver<'_> {
         self.check_planes(&plan);
         plan.warnings = cut.into_iter().chain(warnings(&plan)).collect();
         Some(plan)
+    }
+
+    fn start(&self, start: &scene::Start) -> StartPlan {
+        StartPlan {
+            from: self.loaded.path(&start.from.value),
+            keeps_clock: start.clock.value == scene::StartClock::Keep,
+            resets_displacement: start.displacement.value == scene::StartDisplacement::Reset,
+        }
     }
 
     fn solver(&mut self) -> Option<SolverSpec> {

@@ -6,6 +6,8 @@ mod material;
 mod mechanics;
 mod scheme;
 
+use std::path::PathBuf;
+
 use perifrac_solvers::SolverSpec;
 use serde::Serialize;
 
@@ -61,6 +63,8 @@ pub struct Plan {
     pub cracks: Vec<CrackPlan>,
     /// Wells, in the scene's order.
     pub wells: Vec<WellPlan>,
+    /// The run that this one goes on from, if it does.
+    pub start: Option<StartPlan>,
     /// Time.
     pub time: TimePlan,
     /// Time scheme.
@@ -274,6 +278,8 @@ pub struct WellPlan {
 pub struct TimePlan {
     /// Transient or steady.
     pub mode: TimeMode,
+    /// Start, s: 0, unless a run goes on with the clock of another.
+    pub start: f64,
     /// End, s; 0 in steady mode.
     pub end: f64,
     /// How steps are chosen.
@@ -288,6 +294,17 @@ pub struct TimePlan {
     pub safety: f64,
     /// Largest number of steps.
     pub max_steps: usize,
+}
+
+/// The state that another run left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StartPlan {
+    /// Folder of that run, or a checkpoint.
+    pub from: PathBuf,
+    /// Whether time goes on from there; it begins at 0 otherwise.
+    pub keeps_clock: bool,
+    /// Whether the displacement counts from the state taken over.
+    pub resets_displacement: bool,
 }
 
 /// Transient or steady.

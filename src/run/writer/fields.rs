@@ -158,7 +158,7 @@ fn of_solid<'a, const D: usize>(
     };
     let volumetric: Vec<f64> = slopes.iter().map(Matrix::trace).collect();
     let mut arrays = vec![
-        array("displacement", "m", D, &state.displacement[..]),
+        array("displacement", "m", D, state.shown_displacement()),
         array("effective_stress", "Pa", 6, stress),
         array("volumetric_strain", "", 1, volumetric),
     ];

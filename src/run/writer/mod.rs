@@ -8,6 +8,7 @@ mod histories;
 mod pictures;
 mod profiles;
 mod restart;
+mod staged;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,7 @@ use folder::Hold;
 use fracture::Film;
 use profiles::Profiles;
 pub use restart::WriterRecord;
+pub use staged::StagedFolder;
 
 /// Writes the files of one run into its folder.
 pub struct Writer {

@@ -31,7 +31,7 @@ pub fn of_output<const D: usize>(
     state: &State,
 ) -> Result<(), OutputError> {
     let damage = damage_of(model, state);
-    let moved: Vec<f64> = state.displacement.chunks(D).map(length).collect();
+    let moved: Vec<f64> = state.shown_displacement().chunks(D).map(length).collect();
     let all = [
         ("pressure", "Pa", &state.pressure),
         ("displacement", "m", &moved),

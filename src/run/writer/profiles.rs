@@ -106,7 +106,7 @@ impl Profiles {
         model: &Model<D>,
         state: &State,
     ) -> Result<(), OutputError> {
-        if plan.time.mode == TimeMode::Transient && state.time <= 0.0 {
+        if plan.time.mode == TimeMode::Transient && state.time <= plan.time.start {
             return Ok(());
         }
         self.seen += 1;
@@ -155,8 +155,8 @@ impl Profiles {
 
 /// Number of outputs after the start.
 fn outputs(plan: &Plan) -> usize {
-    let end = plan.time.end;
-    let before = |time: &&f64| **time > 0.0 && **time < end * (1.0 - 1e-12);
+    let (start, end) = (plan.time.start, plan.time.end);
+    let before = |time: &&f64| **time > start + 1e-12 * end && **time < end * (1.0 - 1e-12);
     let mut times: Vec<f64> = plan.output.times.iter().filter(before).copied().collect();
     times.sort_by(f64::total_cmp);
     times.dedup_by(|b, a| *b - *a <= 1e-12 * end);
@@ -186,7 +186,8 @@ fn along<const D: usize>(
         });
     }
     if let Some(solid) = &model.solid {
-        let computed = solid.displacements_at(&state.displacement, &state.walls, places);
+        let (displacement, walls) = (state.shown_displacement(), state.shown_walls());
+        let computed = solid.displacements_at(&displacement, &walls, places);
         let known = |exact: &dyn ExactDisplacement, x: &Vector<D>| match time {
             Some(time) => vector::<D>(&exact.displacement(x.as_slice(), time)),
             None => Vector::repeat(f64::NAN),

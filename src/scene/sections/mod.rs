@@ -17,6 +17,7 @@ mod reference;
 mod scheme;
 mod sides;
 mod solver;
+mod start;
 mod time;
 mod wells;
 
@@ -47,5 +48,6 @@ pub use reference::{Reference, ReferenceKind};
 pub use scheme::{Acceleration, Scheme, SchemeName, SolidMethod};
 pub use sides::{Boundary, Side};
 pub use solver::Solver;
+pub use start::{Start, StartClock, StartDisplacement};
 pub use time::{Integrator, Mode, TimeControl};
 pub use wells::Well;

@@ -1,0 +1,173 @@
+//! Scenes in stages: one run after the other, each in a folder of its own, with one history.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::plan::{StartPlan, resolve_for};
+use crate::run::{Checkpoint, StagedFolder};
+use crate::scene::load_str;
+
+use super::common::{Asked, Planned};
+use super::exit::{Failure, print, say};
+use super::processes::Processes;
+use super::resume::{go_on, resolved};
+use super::run::{Desk, How};
+
+/// The file that lists the stages of a folder.
+const LIST: &str = "stages.json";
+
+/// A stage as the list has it.
+#[derive(Debug, Serialize, Deserialize)]
+struct Listed {
+    name: String,
+    case: String,
+    base: PathBuf,
+    scene: String,
+}
+
+/// Whether a folder is that of a scene in stages.
+pub fn is_staged(folder: &Path) -> bool {
+    folder.join(LIST).is_file()
+}
+
+/// Runs all stages into a folder.
+///
+/// # Errors
+/// [`Failure`] of the first stage that fails.
+pub fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(), Failure> {
+    let desk = Desk::new(how)?;
+    let leads = Processes::started().leads();
+    let hold = match leads {
+        true => Some(StagedFolder::create(folder, &list(&stages))?),
+        false => None,
+    };
+    all(desk, stages, how, (folder, hold))
+}
+
+/// Goes on with the stages of a folder.
+///
+/// # Errors
+/// As [`run`].
+pub fn resume(folder: &Path, how: &How) -> Result<(), Failure> {
+    let path = folder.join(LIST);
+    let unreadable = |reason: String| Failure::Usage(format!("{}: {reason}", path.display()));
+    let text = std::fs::read_to_string(&path).map_err(|error| unreadable(error.to_string()))?;
+    let listed: Vec<Listed> =
+        serde_json::from_str(&text).map_err(|error| unreadable(error.to_string()))?;
+    let processes = Processes::started().size;
+    let mut stages = Vec::new();
+    for stage in listed {
+        let loaded = load_str(&stage.name, &stage.scene, &stage.base, &[])?;
+        let plan = resolve_for(&loaded, &stage.case, processes)?;
+        stages.push((stage.name, Planned { loaded, plan }));
+    }
+    let asked = Asked::Stages(stages);
+    how.prepare(&asked)?;
+    let Asked::Stages(stages) = asked else {
+        return Ok(());
+    };
+    let desk = Desk::new(how)?.resume();
+    let hold = match Processes::started().leads() {
+        true => Some(StagedFolder::go_on(folder)?),
+        false => None,
+    };
+    all(desk, stages, how, (folder, hold))
+}
+
+/// The list of the stages, with their scenes.
+fn list(stages: &[(String, Planned)]) -> String {
+    let here = |base: &Path| {
+        let base = if base.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            base
+        };
+        base.canonicalize().unwrap_or_else(|_| base.to_owned())
+    };
+    let listed = |(name, planned): &(String, Planned)| Listed {
+        name: name.clone(),
+        case: planned.plan.case.clone(),
+        base: here(&planned.loaded.base_dir),
+        scene: planned.loaded.resolved_toml(),
+    };
+    let all: Vec<Listed> = stages.iter().map(listed).collect();
+    serde_json::to_string_pretty(&all).unwrap_or_default()
+}
+
+/// Runs what is left of the stages, and joins their files.
+fn all(
+    mut desk: Desk<'_>,
+    stages: Vec<(String, Planned)>,
+    how: &How,
+    (folder, hold): (&Path, Option<StagedFolder>),
+) -> Result<(), Failure> {
+    let (mut summaries, mut folders) = (Vec::new(), Vec::new());
+    for (number, (name, mut planned)) in stages.into_iter().enumerate() {
+        let own = folder.join(format!("{:02}-{name}", number + 1));
+        if let (Some(before), Some(start)) = (folders.last(), &planned.plan.start) {
+            planned.plan.start = Some(StartPlan {
+                from: PathBuf::clone(before),
+                ..start.clone()
+            });
+        }
+        folders.push(own.clone());
+        let summary = one(&mut desk, &planned, &own)?;
+        if let (Some(hold), true) = (&hold, Processes::started().leads()) {
+            hold.join(&folders)?;
+            tell(how, &name, &summary);
+        }
+        summaries.push(summary);
+    }
+    let (Some(hold), Some(last)) = (hold, summaries.last()) else {
+        return Ok(());
+    };
+    let mut whole = last.clone();
+    whole["stages"] = Value::Array(summaries);
+    hold.summary(&whole)?;
+    match (how.is_json(), how.is_quiet()) {
+        (true, _) => print(&whole.to_string()),
+        (false, true) => Ok(()),
+        (false, false) => print(&format!("results in {}", folder.display())),
+    }
+}
+
+/// Runs a stage, goes on with it, or takes its summary where it is done.
+fn one(desk: &mut Desk<'_>, planned: &Planned, folder: &Path) -> Result<Value, Failure> {
+    let kept = Checkpoint::newest(folder).ok();
+    let path = folder.join("summary.json");
+    if kept.as_ref().is_some_and(|kept| kept.header.finished)
+        && let Some(summary) = desk.resumes().then(|| read(&path)).flatten()
+    {
+        return Ok(summary);
+    }
+    let summary = match kept.filter(|_| desk.resumes()) {
+        Some(checkpoint) => {
+            let resolved = resolved(folder)?;
+            checkpoint.check_scene(&resolved)?;
+            checkpoint.check_processes(Processes::started().size)?;
+            go_on(desk, planned, folder, &resolved, checkpoint)?
+        }
+        None => {
+            let writer = desk.writer(folder, planned)?;
+            desk.carry_out(planned, writer, None)?
+        }
+    };
+    Ok(serde_json::to_value(&summary).unwrap_or(json!({})))
+}
+
+fn read(path: &Path) -> Option<Value> {
+    serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+fn tell(how: &How, name: &str, summary: &Value) {
+    if !how.is_quiet() && !how.is_json() {
+        say(&format!(
+            "stage {name}: t = {} s, {} steps, {:.2} s",
+            summary["t_end"],
+            summary["steps"],
+            summary["wall_s"].as_f64().unwrap_or(0.0)
+        ));
+    }
+}

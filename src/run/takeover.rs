@@ -1,0 +1,196 @@
+//! Starting from the state that another run left.
+
+use super::RunError;
+use super::checkpoint::{Checkpoint, Record};
+use crate::geometry::Side;
+use crate::model::{Model, driven_walls};
+use crate::output::CheckpointError;
+use crate::plan::{Plan, StartPlan, resolve_any};
+use crate::scene::load_str;
+use crate::schemes::State;
+
+/// State that a run begins with: that of the scene, or the one that it takes over. What goes on from a
+/// checkpoint of its own takes over the same state as it did at its beginning.
+///
+/// # Errors
+/// [`RunError::Checkpoint`] if there is no such state or it does not fit.
+pub(super) fn initial_state<const D: usize>(
+    plan: &Plan,
+    from: Option<&Checkpoint>,
+    model: &mut Model<D>,
+    processes: usize,
+) -> Result<State, RunError> {
+    let initial = State::initial(model);
+    let Some(start) = &plan.start else {
+        return Ok(initial);
+    };
+    if let Some(checkpoint) = from {
+        // The pressure at the start is what changes are measured against.
+        if let Some(flow) = &mut model.flow {
+            flow.initial.clone_from(&checkpoint.record.course.reference);
+        }
+        return Ok(initial);
+    }
+    let checkpoint = Checkpoint::open(&start.from)?;
+    checkpoint.check_processes(processes)?;
+    checkpoint.check_cloud(&model.cloud)?;
+    let taken = Taken {
+        checkpoint: &checkpoint,
+        start,
+        model,
+    };
+    let state = taken.state(initial)?;
+    if let Some(flow) = &mut model.flow {
+        flow.initial.clone_from(&state.pressure);
+    }
+    Ok(state)
+}
+
+/// The plan with the time that the run begins with.
+///
+/// # Errors
+/// [`RunError::Checkpoint`] if that is beyond its end.
+pub(super) fn at_its_time(
+    plan: &Plan,
+    from: Option<&Checkpoint>,
+    state: &State,
+) -> Result<Plan, RunError> {
+    let mut plan = plan.clone();
+    plan.time.start = from.map_or(state.time, |checkpoint| checkpoint.record.course.start);
+    let (begin, end) = (plan.time.start, plan.time.end);
+    match &plan.start {
+        Some(start) if begin >= end => Err(CheckpointError::Misfit {
+            path: start.from.clone(),
+            reason: format!(
+                "it ends at t = {begin:e} s, and time.end = {end:e} s is not later; raise time.end, or set \
+                 start.clock = \"reset\""
+            ),
+        }
+        .into()),
+        _ => Ok(plan),
+    }
+}
+
+struct Taken<'a, const D: usize> {
+    checkpoint: &'a Checkpoint,
+    start: &'a StartPlan,
+    model: &'a Model<D>,
+}
+
+impl<const D: usize> Taken<'_, D> {
+    /// The initial state with the fields that are taken over.
+    fn state(&self, initial: State) -> Result<State, RunError> {
+        let then = &self.checkpoint.record.state;
+        self.check_parts(&initial)?;
+        let or = |own: &[f64], initial: Vec<f64>| match own.is_empty() {
+            true => initial,
+            false => own.to_vec(),
+        };
+        let walls = self.walls(&initial)?;
+        let displacement = or(&then.displacement, initial.displacement);
+        Ok(State {
+            time: if self.start.keeps_clock {
+                then.time
+            } else {
+                0.0
+            },
+            pressure: or(&then.pressure, initial.pressure),
+            velocity: match then.velocity.len() == initial.velocity.len() {
+                true => then.velocity.clone(),
+                false => initial.velocity,
+            },
+            datum_walls: match self.start.resets_displacement {
+                true => walls.clone(),
+                false => then.datum_walls.clone(),
+            },
+            walls,
+            // Bands of cracks that are new are broken from here on.
+            history: match then.history.is_empty() {
+                true => initial.history,
+                false => {
+                    let pairs = then.history.iter().zip(&initial.history);
+                    pairs.map(|(then, own)| then.max(*own)).collect()
+                }
+            },
+            datum: match self.start.resets_displacement {
+                true => displacement.clone(),
+                false => then.datum.clone(),
+            },
+            displacement,
+            coefficients: match (&then.coefficients, initial.coefficients) {
+                (Some(then), Some(_)) => Some(then.clone()),
+                (_, own) => own,
+            },
+            memory: initial.memory,
+        })
+    }
+
+    /// Refuses to lose a field that the state has and the scene does not compute.
+    fn check_parts(&self, initial: &State) -> Result<(), RunError> {
+        let then = &self.checkpoint.record.state;
+        let parts = [
+            (&then.pressure, &initial.pressure, "a pressure", "[flow]"),
+            (
+                &then.displacement,
+                &initial.displacement,
+                "a displacement",
+                "[mechanics]",
+            ),
+            (&then.history, &initial.history, "damage", "[damage]"),
+        ];
+        for (then, own, what, section) in parts {
+            if !then.is_empty() && own.is_empty() {
+                return Err(self.misfit(format!(
+                    "it has {what}, which this scene would forget; add {section}, or start without it"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn misfit(&self, reason: String) -> RunError {
+        self.checkpoint.misfit(reason).into()
+    }
+
+    /// Places of the sides that move, m; those that did not move before are at 0.
+    fn walls(&self, initial: &State) -> Result<Vec<f64>, RunError> {
+        let before = self.walls_before()?;
+        let own = self.model.solid.iter().flat_map(|solid| &solid.walls);
+        let own: Vec<(Side, usize)> = own.map(|wall| (wall.side, wall.component)).collect();
+        let lost = before
+            .iter()
+            .find(|(wall, place)| *place != 0.0 && !own.contains(wall));
+        if let Some(((side, axis), place)) = lost {
+            return Err(self.misfit(format!(
+                "side {side} was moved by {place:.3e} m along axis {axis} there and does not move in this \
+                 scene; give it the same kind of motion, which may stand still"
+            )));
+        }
+        let place = |wall: &(Side, usize)| {
+            let found = before.iter().find(|(then, _)| then == wall);
+            found.map_or(0.0, |(_, place)| *place)
+        };
+        let walls: Vec<f64> = own.iter().map(place).collect();
+        debug_assert_eq!(walls.len(), initial.walls.len());
+        Ok(walls)
+    }
+
+    /// Sides that moved in the run that is taken over, with their places, m.
+    fn walls_before(&self) -> Result<Vec<((Side, usize), f64)>, RunError> {
+        let Record {
+            scene, base, state, ..
+        } = &self.checkpoint.record;
+        if state.walls.is_empty() {
+            return Ok(Vec::new());
+        }
+        let name = self.checkpoint.path.display().to_string();
+        let loaded = load_str(&name, scene, base, &[]);
+        let plan = loaded.and_then(|loaded| resolve_any(&loaded, &self.checkpoint.header.case));
+        let plan = plan.map_err(|_| self.misfit("its scene cannot be read any more".to_owned()))?;
+        let walls = plan
+            .mechanics
+            .iter()
+            .flat_map(|mechanics| driven_walls::<D>(mechanics));
+        Ok(walls.zip(state.walls.iter().copied()).collect())
+    }
+}
