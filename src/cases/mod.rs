@@ -111,6 +111,10 @@ pub const CASES: &[Case] = &[
         "six"
     ),
     case!(
+        "staged-injection",
+        "in-situ stress, drainage, injection and shut-in, one after the other"
+    ),
+    case!(
         "penny-3d",
         "a penny-shaped crack under pressure, an eighth of it in space",
         "smoke"

@@ -18,6 +18,7 @@ mod listings;
 mod mutations;
 mod processes;
 mod repeats;
+mod restart;
 mod runs;
 mod solver_flags;
 mod studies;
