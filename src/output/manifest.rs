@@ -82,6 +82,7 @@ impl Manifest {
     /// As [`Manifest::start`].
     pub fn go_on(folder: &Path) -> Result<Self, OutputError> {
         let list = folder.join(LIST);
+        absorb(folder)?;
         if list.is_file() {
             for part in Entries::read(&list)?.parts_in(folder) {
                 fs::remove_file(&part)
@@ -122,7 +123,9 @@ impl Manifest {
         let file = options.append(true).create_new(true).open(&list);
         let mut file = file.map_err(failed)?;
         file.write_all(HEADER.as_bytes()).map_err(failed)?;
-        Self::register(folder, list, file, Entries::default())
+        // Where a run goes on, its files of before are its own.
+        let before = Entries::read(&folder.join(LIST)).unwrap_or_default();
+        Self::register(folder, list, file, before)
     }
 
     fn register(
@@ -177,6 +180,26 @@ pub fn remove_results(folder: &Path) -> Result<(), OutputError> {
         if list != LIST {
             fs::remove_file(&path).map_err(|source| failed(&path, source))?;
         }
+    }
+    Ok(())
+}
+
+/// Adds the lists that further processes left to the main one.
+fn absorb(folder: &Path) -> Result<(), OutputError> {
+    let failed =
+        |path: &Path, source| OutputError::from_io(path, "join the lists of files", source);
+    let names = fs::read_dir(folder).map_err(|source| failed(folder, source))?;
+    let names: Vec<_> = names.flatten().map(|entry| entry.file_name()).collect();
+    let main = folder.join(LIST);
+    let others = names.iter().filter_map(|name| name.to_str());
+    for other in others.filter(|name| is_list(name) && *name != LIST) {
+        let other = folder.join(other);
+        let text = fs::read(&other).map_err(|source| failed(&other, source))?;
+        let mut options = OpenOptions::new();
+        let file = options.append(true).create(true).open(&main);
+        let added = file.and_then(|mut file| file.write_all(&text));
+        added.map_err(|source| failed(&main, source))?;
+        fs::remove_file(&other).map_err(|source| failed(&other, source))?;
     }
     Ok(())
 }

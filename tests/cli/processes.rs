@@ -333,3 +333,62 @@ fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
         std::thread::sleep(Duration::from_millis(10));
     }
 }
+
+/// Two processes, one of which is killed, go on together to the bits that they would have had.
+#[test]
+fn two_processes_go_on_to_the_same_bits() {
+    if !possible() {
+        return;
+    }
+    let place = Place::new();
+    let scene = [
+        "terzaghi",
+        "--set",
+        "geometry.spacing=0.25",
+        "--set",
+        "time.step=0.02",
+        "--set",
+        "output.every=10",
+        "--solver",
+        "petsc",
+        "--quiet",
+        "--checkpoint-every",
+        "50ms",
+    ];
+    let run = |folder: &'static str| [&["run"][..], &scene, &["--out", folder]].concat();
+    assert!(mpirun(&place, 2, &run("whole")).status().unwrap().success());
+    let mut command = mpirun(&place, 2, &run("killed"));
+    let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    let mut child = Running(child.unwrap());
+    wait_for("a second output", || {
+        place.path("killed/fields-0001.pvtu").exists()
+    });
+    let folder = std::fs::canonicalize(place.path("")).unwrap();
+    if let Some(victim) = process_of(1, folder.to_str().unwrap()) {
+        let killed = Command::new("kill")
+            .args(["-9", &victim.to_string()])
+            .status();
+        assert!(killed.unwrap().success());
+    }
+    wait_for("the end", || child.0.try_wait().unwrap().is_some());
+    let alone = place.run(&["resume", "killed"]);
+    assert!(alone.stderr.contains("2 processes wrote it"), "{alone:?}");
+    let output = mpirun(&place, 2, &["resume", "killed", "--quiet"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let results = |folder: &str| -> Vec<String> {
+        let all = place.list(folder).into_iter();
+        let kept = |name: &String| {
+            ["csv", "vtu", "pvtu", "pvd", "svg", "png", "kept"]
+                .iter()
+                .any(|ending| name.ends_with(ending))
+        };
+        all.filter(kept).collect()
+    };
+    assert_eq!(results("whole"), results("killed"));
+    for name in results("whole") {
+        let both = ["whole", "killed"].map(|folder| place.read(&format!("{folder}/{name}")));
+        assert!(both[0] == both[1], "{name} differs");
+    }
+}
