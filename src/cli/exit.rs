@@ -7,7 +7,7 @@ use perifrac_solvers::SolveError;
 
 use super::interrupt;
 use crate::model::ModelError;
-use crate::output::{CheckpointError, OutputError};
+use crate::output::{CheckpointError, OutputError, checkpoint};
 use crate::run::RunError;
 use crate::scene::SceneErrors;
 use crate::schemes::StepError;
@@ -22,6 +22,8 @@ pub enum Failure {
     Scene(Box<SceneErrors>),
     /// The run failed.
     Run(Box<RunError>),
+    /// The run was stopped by what is no fault of its own, and can go on in its folder.
+    Stopped(Box<RunError>, PathBuf),
     /// The run needs more memory than there is.
     Memory(String),
     /// A file could not be written.
@@ -40,12 +42,26 @@ impl Failure {
         match self {
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
-            Failure::Run(error) => run_code(error),
+            Failure::Run(error) | Failure::Stopped(error, _) => run_code(error),
             Failure::Memory(_) | Failure::Output(_) => 1,
             Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
             Failure::Study(_) => 1,
             Failure::Interrupted(_) => interrupt::code(),
             Failure::Broken => 0,
+        }
+    }
+
+    /// Says how to go on in a folder after what is no fault of the scene, if there is a checkpoint.
+    #[must_use]
+    pub fn with_way_on(self, folder: &Path) -> Self {
+        match self {
+            Failure::Run(error)
+                if matches!(*error, RunError::Interrupted { .. } | RunError::Output(_))
+                    && !checkpoint::list(folder).is_empty() =>
+            {
+                Failure::Stopped(error, folder.to_owned())
+            }
+            other => other,
         }
     }
 
@@ -56,6 +72,10 @@ impl Failure {
             Failure::Usage(message) | Failure::Memory(message) => format!("error: {message}"),
             Failure::Scene(errors) => errors.render(colourful()),
             Failure::Run(error) => format!("error: {error}"),
+            Failure::Stopped(error, folder) => format!(
+                "error: {error}; go on with `perifrac resume {}`",
+                folder.display()
+            ),
             Failure::Output(error) => format!("error: {error}"),
             Failure::Study(error) => format!("error: {error}"),
             Failure::Interrupted(message) => format!("interrupted: {message}"),

@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use perifrac_solvers::{Interrupt, Team};
 
-use crate::output::{OutputError, checkpoint};
+use crate::output::OutputError;
 use crate::run::{
-    Checkpoint, CheckpointRule, Job, RunError, Settings, Snapshot, Summary, Writer, run_job,
+    Checkpoint, CheckpointRule, Job, Settings, Snapshot, Summary, Writer, run_job,
 };
 use crate::scene::units;
 
 use super::common::{Asked, Planned, SceneArgs};
-use super::exit::{Failure, print, say, tell_of_kept};
+use super::exit::{Failure, print, tell_of_kept};
 use super::interrupt::handled;
 use super::label::label;
 use super::processes::Processes;
@@ -235,10 +235,8 @@ impl<'a> Desk<'a> {
         };
         console.finish();
         tell_of_kept(&writer.kept());
-        let (summary, _) = result.map_err(|error| {
-            tell_of_checkpoint(&error, writer.folder());
-            planned.failure(error)
-        })?;
+        let told = |error| planned.failure(error).with_way_on(writer.folder());
+        let (summary, _) = result.map_err(told)?;
         Ok(summary)
     }
 
@@ -262,17 +260,6 @@ impl<'a> Desk<'a> {
             describe(summary),
             folder.display()
         ))
-    }
-}
-
-/// Says how to go on after what is no fault of the scene.
-fn tell_of_checkpoint(error: &RunError, folder: &Path) {
-    let can_go_on = matches!(error, RunError::Interrupted { .. } | RunError::Output(_));
-    if can_go_on && !checkpoint::list(folder).is_empty() {
-        say(&format!(
-            "the state is kept: go on with `perifrac resume {}`",
-            folder.display()
-        ));
     }
 }
 

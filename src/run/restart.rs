@@ -8,6 +8,7 @@ use super::stops::Stops;
 use super::time_loop::{March, Run};
 use super::{RunError, TimedErrors};
 use crate::geometry::Cloud;
+use crate::output::OutputError;
 use crate::report::Balance;
 use crate::schemes::{Scheme, SchemeCounters};
 
@@ -181,24 +182,29 @@ impl<const D: usize> Run<'_, D> {
 
     /// Writes a checkpoint; one that cannot be written is told of, and the run goes on with the ones before.
     fn save(&mut self, scheme: &dyn Scheme<D>, march: &March) {
-        let (record, processes) = (self.record(scheme, march), self.processes());
-        let (Some(record), Some(saver)) = (record, &mut self.saver) else {
-            return;
-        };
-        let at = place(self.plan, &self.model.cloud, processes);
-        let saved = self.timers.time("checkpoint", || saver.save(&at, &record));
-        if let Err(error) = saved {
+        if let Err(error) = self.try_save(scheme, march) {
             let message = format!("no checkpoint could be written, those before stay: {error}");
             self.observer.warn(&message);
             self.warnings.push(message);
         }
     }
 
+    fn try_save(&mut self, scheme: &dyn Scheme<D>, march: &March) -> Result<(), OutputError> {
+        if self.saver.is_none() {
+            return Ok(());
+        }
+        let (record, processes) = (self.record(scheme, march), self.processes());
+        let (Some(record), Some(saver)) = (record, &mut self.saver) else {
+            return Ok(());
+        };
+        let at = place(self.plan, &self.model.cloud, processes);
+        self.timers
+            .time("checkpoint", || saver.save(&at, &record).map(drop))
+    }
+
     /// The last checkpoint, of a run that has reached its end: others may begin with it.
     pub(super) fn save_end(&mut self, scheme: &dyn Scheme<D>, march: &March) {
-        if self.saver.is_some() {
-            self.save(scheme, march);
-        }
+        self.save(scheme, march);
     }
 
     /// Keeps the state of a run that ends before its time, first of all in a checkpoint.
@@ -208,8 +214,10 @@ impl<const D: usize> Run<'_, D> {
         march: &March,
         error: RunError,
     ) -> RunError {
-        if self.saver.is_some() {
-            self.save(scheme, march);
+        // Where outputs cannot be written a checkpoint often cannot either, which need not be told as well.
+        match error {
+            RunError::Output(_) => drop(self.try_save(scheme, march)),
+            _ => self.save(scheme, march),
         }
         let stopped = matches!(error, RunError::Interrupted { .. });
         // What goes on from here drops this output again.

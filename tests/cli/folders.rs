@@ -1,6 +1,6 @@
 //! Folders and devices that results cannot be written to; nothing of the user's is ever lost.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::process::{Command, Stdio};
 
 use crate::support::{FAULT, Fault, Place, changed, check};
@@ -101,6 +101,10 @@ fn the_next_run_removes_all_that_the_last_one_wrote() {
         place.list("out"),
         ["history.csv", "resolved.toml", "summary.json"]
     );
+    let entries = fs::read_dir(place.path("out")).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name());
+    let checkpoints = names.filter(|name| name.to_string_lossy().ends_with(".pfc"));
+    assert_eq!(checkpoints.count(), 1, "the one at the end");
 }
 
 #[test]

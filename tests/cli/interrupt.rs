@@ -74,9 +74,9 @@ fn text(place: &Place, name: &str) -> String {
 }
 
 /// What a run printed that a signal ended.
-fn told(run: &mut Running) -> String {
+fn told(run: &mut Running, code: i32) -> String {
     wait_for("the end", || run.ended());
-    assert_eq!(run.0.wait().unwrap().code(), Some(130));
+    assert_eq!(run.0.wait().unwrap().code(), Some(code));
     let [mut stdout, mut stderr] = [String::new(), String::new()];
     let (mut out, mut err) = (run.0.stdout.take().unwrap(), run.0.stderr.take().unwrap());
     out.read_to_string(&mut stdout).unwrap();
@@ -85,22 +85,25 @@ fn told(run: &mut Running) -> String {
     stderr
 }
 
-fn stopped_by(signal: &str) -> (Place, String) {
+fn stopped_by(signal: &str, code: i32) -> (Place, String) {
     let place = Place::with_scene(&[]);
     let mut run = start(&place, &LONG);
     wait_for("a second output", || {
         place.path("out/fields-0001.vtu").exists()
     });
     run.signal(signal);
-    let stderr = told(&mut run);
+    let stderr = told(&mut run, code);
     (place, stderr)
 }
 
 #[test]
 fn an_interrupted_run_leaves_complete_files() {
-    let (place, stderr) = stopped_by("-INT");
+    let (place, stderr) = stopped_by("-INT", 130);
     let time = stderr.strip_prefix("error: interrupted at t = ");
-    let time = time.and_then(|rest| rest.strip_suffix(" s; what was written is complete\n"));
+    let time = time.and_then(|rest| {
+        let end = " s; what was written is complete; go on with `perifrac resume out`\n";
+        rest.strip_suffix(end)
+    });
     let time: f64 = time.unwrap_or_else(|| panic!("{stderr}")).parse().unwrap();
     let history = text(&place, "out/history.csv");
     assert!(history.ends_with('\n'));
@@ -144,8 +147,8 @@ fn an_interrupted_run_leaves_complete_files() {
 
 #[test]
 fn a_run_that_is_asked_to_end_stops_in_the_same_way() {
-    for signal in ["-TERM", "-HUP"] {
-        let (_, stderr) = stopped_by(signal);
+    for (signal, code) in [("-TERM", 143), ("-HUP", 129)] {
+        let (_, stderr) = stopped_by(signal, code);
         assert!(stderr.starts_with("error: interrupted at t = "), "{stderr}");
     }
 }
@@ -173,7 +176,7 @@ fn a_hangup_that_is_to_be_ignored_is() {
     wait_for("outputs after it", || outputs() > before + 3);
     assert!(!run.ended());
     run.signal("-INT");
-    assert!(told(&mut run).starts_with("error: interrupted at t = "));
+    assert!(told(&mut run, 130).starts_with("error: interrupted at t = "));
 }
 
 /// Relaxation to nearly the last digit, again in every pass of the undrained start.
@@ -196,7 +199,7 @@ fn a_step_is_left_in_the_middle() {
     // The model is there within a fraction of it.
     std::thread::sleep(Duration::from_secs(1));
     run.signal("-INT");
-    let stderr = told(&mut run);
+    let stderr = told(&mut run, 130);
     assert!(stderr.starts_with("error: interrupted at t = "), "{stderr}");
 }
 
@@ -207,7 +210,7 @@ fn what_cannot_be_left_is_ended_all_the_same() {
     wait_for("the start", || place.path("out/resolved.toml").exists());
     std::thread::sleep(Duration::from_millis(200));
     run.signal("-INT");
-    let stderr = told(&mut run);
+    let stderr = told(&mut run, 130);
     assert!(stderr.contains("what was written is complete"), "{stderr}");
     assert!(!place.path("out/summary.json").exists());
 }

@@ -114,14 +114,14 @@ impl Place {
 }
 
 /// Names of what a folder holds, sorted; nothing if there is no such folder. The list of its own files that
-/// a run keeps is left out.
+/// a run keeps is left out, and so are checkpoints.
 pub fn list(folder: &Path) -> Vec<String> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();
     };
     let name = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
     let mut names: Vec<String> = entries.map(|entry| name(entry.unwrap())).collect();
-    names.retain(|name| !name.starts_with(".perifrac-files"));
+    names.retain(|name| !name.starts_with(".perifrac-files") && !name.ends_with(".pfc"));
     names.sort();
     names
 }

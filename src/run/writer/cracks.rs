@@ -29,9 +29,25 @@ impl Cracks {
         }
     }
 
-    /// Goes on with tables that have rows up to a time, s.
-    pub fn resume(&mut self, until: f64) {
+    /// Goes on with tables that have rows up to a time, s, of which the last output is what will be drawn.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a table cannot be read.
+    pub fn resume(&mut self, plan: &Plan, until: f64) -> Result<(), OutputError> {
         self.until = Some(until);
+        if !until.is_finite() {
+            return Ok(());
+        }
+        for (crack, last) in plan.cracks.iter().zip(&mut self.last) {
+            let path = self.folder.join(format!("crack-{}.csv", crack.name));
+            let table = History::read(path)?;
+            let rows = table.rows.iter().filter(|row| row[0] <= until);
+            let time = rows.clone().next_back().map_or(f64::NAN, |row| row[0]);
+            let rows: Vec<&Vec<f64>> = rows.filter(|row| row[0] >= time).collect();
+            let column = |place: usize| rows.iter().filter_map(|row| row.get(place).copied()).collect();
+            *last = [column(1), column(2), column(4)];
+        }
+        Ok(())
     }
 
     /// Adds the state at an output to the tables.

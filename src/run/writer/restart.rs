@@ -84,7 +84,7 @@ impl Writer {
         profiles.resume(plan, record.profiles, until)?;
         self.profiles = Some(profiles);
         let mut cracks = Cracks::new(&self.folder, plan);
-        cracks.resume(until);
+        cracks.resume(plan, until)?;
         self.cracks = Some(cracks);
         self.film = self.resumed_film(plan, model, record)?;
         Ok(())
