@@ -13,6 +13,7 @@
 pub mod assembly;
 pub mod boundary;
 pub mod cases;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod effects;
 pub mod explain;
@@ -29,4 +30,5 @@ pub mod report;
 pub mod run;
 pub mod scene;
 pub mod schemes;
+#[cfg(feature = "study")]
 pub mod study;

@@ -135,6 +135,7 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         .iter()
         .chain(&model.warnings)
         .cloned()
+        .chain(super::writer::undrawn(plan, writer.as_deref()))
         .collect();
     warnings.iter().for_each(|warning| observer.warn(warning));
     let state = State::initial(&model);
