@@ -79,6 +79,14 @@ pub struct Model<const D: usize> {
 }
 
 impl<const D: usize> Model<D> {
+    /// The model of a plan, without a record of the time it takes.
+    ///
+    /// # Errors
+    /// As [`Model::build`].
+    pub fn of(plan: &Plan) -> Result<Self, ModelError> {
+        Self::build(plan, &mut Timers::default())
+    }
+
     /// Builds cloud, families, operators and effects that the plan names.
     ///
     /// # Errors
@@ -99,6 +107,7 @@ impl<const D: usize> Model<D> {
         if plan.flow.is_none() && plan.mechanics.is_none() {
             return Err(ModelError::NothingToDo);
         }
+        fit::check_effects(plan)?;
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         fit::check(plan, &cloud)?;
         let cloud = Arc::new(cloud);

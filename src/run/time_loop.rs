@@ -26,6 +26,7 @@ use crate::schemes::{
 
 /// Where a run stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Progress {
     /// Time, s.
     pub time: f64,
@@ -43,14 +44,20 @@ pub struct Progress {
     pub passes: Option<(usize, f64)>,
     /// Energy of Eq. 73 less the work of the loads, J; with mechanics.
     pub potential: Option<f64>,
+    /// Length of all cracks, m (area in space, m²); with damage.
+    pub crack_length: Option<f64>,
 }
 
-/// Is told how a run goes on.
+/// Is told how a run goes on; `()` does not listen.
+///
+/// To stop a run from here, raise its [`Interrupt`].
 pub trait Observer {
     /// A doubt arose.
     fn warn(&mut self, _message: &str) {}
     /// A step was accepted.
     fn step(&mut self, _progress: &Progress) {}
+    /// The fields after that step.
+    fn state(&mut self, _state: &State) {}
 }
 
 impl Observer for () {}
@@ -444,7 +451,9 @@ impl<const D: usize> Run<'_, D> {
             iterations: report.iterations,
             passes: report.residual.map(|left| (report.passes, left)),
             potential: self.balance.potential,
+            crack_length: self.tracker.last.as_ref().map(|last| last.crack_length),
         });
+        self.observer.state(&self.state);
         Ok(written)
     }
 

@@ -19,6 +19,7 @@ pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
 
 use super::Load;
+use super::OwnEffect;
 use super::files::PointTable;
 use crate::geometry::generate::{Refinement, Segment};
 use crate::geometry::{Horizon, Influence, Shape};
@@ -61,6 +62,8 @@ pub struct Plan {
     pub cracks: Vec<CrackPlan>,
     /// Wells, in the scene's order.
     pub wells: Vec<WellPlan>,
+    /// Effects that the program hands in; none in the plan of a scene.
+    pub own_effects: Vec<OwnEffect>,
     /// Time.
     pub time: TimePlan,
     /// Time scheme.
@@ -113,11 +116,11 @@ pub enum GeometryPlan {
         /// Where to refine.
         refinements: Vec<Refinement>,
     },
-    /// Points from a file.
+    /// Points from a file or from the program.
     Points {
-        /// The file, for messages.
+        /// The file, or another name for messages.
         path: String,
-        /// What it held.
+        /// The points.
         table: PointTable,
         /// Boundary planes, if given: smallest and largest corner, m.
         bounds: Option<(Vec<f64>, Vec<f64>)>,

@@ -113,7 +113,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Adds a row of history; of more than [`MOST_ROWS`] steps rows are left out evenly.
+    /// Adds a row of history; of more than `MOST_ROWS` steps rows are left out evenly.
     ///
     /// # Errors
     /// [`OutputError`].
