@@ -27,13 +27,12 @@ fn flow_through_layers_in_a_row_follows_darcys_law() {
 
 #[test]
 fn a_column_stepped_by_hand_consolidates_as_terzaghi_says() {
-    let coarse = terzaghi_by_hand::errors(50).unwrap();
+    let coarse = terzaghi_by_hand::errors(20).unwrap();
     let fine = terzaghi_by_hand::errors(100).unwrap();
-    assert_eq!(fine.len(), 5);
-    for ((time, coarse), (_, fine)) in coarse.iter().zip(&fine) {
-        assert!(*fine < 1e-3, "{fine} at {time} s");
-        assert!(fine < coarse, "{fine} of {coarse} at {time} s");
-    }
+    assert!(fine.len() == 5 && fine.iter().all(|(_, error)| *error < 1e-3));
+    let last = [coarse[4].1, fine[4].1];
+    // Steps five times as long: what is left at the end is mostly theirs.
+    assert!(last[1] < 5e-5 && last[1] < 0.5 * last[0], "{last:?}");
 }
 
 #[test]

@@ -48,6 +48,24 @@ use crate::report::Timers;
 ///
 /// Where rock that breaks conducts fluid the coefficients of flow belong to the state, and
 /// [`Model::with`] gives the model at a state; such clones share all that does not depend on them.
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let model = Model::<2>::of(&Setup::text(scene).plan()?)?;
+/// assert_eq!(model.cloud.len(), 100);
+/// assert!((model.cloud.volume.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+/// assert!(model.flow.is_some() && model.solid.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct Model<const D: usize> {
     /// The points.

@@ -62,7 +62,45 @@ pub enum ActsOn {
 type Build = dyn Fn(&Points<'_>) -> Box<dyn Effect> + Send + Sync;
 
 /// An [`Effect`] of the program itself, and how it is built once the points are known. It goes into
-/// [`Plan::own_effects`](super::Plan::own_effects).
+/// [`Plan::own_effects`](super::Plan::own_effects), for which there is
+/// [`Setup::effect`](super::Setup::effect).
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// /// A leak into every point, by its volume.
+/// struct Leak(Vec<f64>);
+///
+/// impl Effect for Leak {
+///     fn name(&self) -> &'static str {
+///         "leak"
+///     }
+///     fn add_rate(&self, _time: f64, rate: &mut [f64]) {
+///         rate.iter_mut().zip(&self.0).for_each(|(rate, volume)| *rate += 1e-6 * volume);
+///     }
+///     fn injection(&self, _time: f64) -> f64 {
+///         1e-6 * self.0.iter().sum::<f64>()
+///     }
+///     fn bytes(&self) -> usize {
+///         size_of_val(&self.0[..])
+///     }
+/// }
+///
+/// let scene = r#"
+///     title = "A closed square"
+///     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+///     fluid.viscosity = "1 mPa s"
+///     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+///     flow = {}
+///     time.end = "1 s"
+/// "#;
+/// let leak = OwnEffect::on_flow(|points| Leak(points.volume.to_vec()));
+/// let plan = Setup::text(scene).effect(leak).plan()?;
+/// let (_, state) = run::<2>(&plan, None, &mut (), &Interrupt::default())?;
+/// // A rate of 1e-6 over a storage of 1e-9 is 1000 Pa a second.
+/// assert!(state.pressure.iter().all(|p| (p - 1e3).abs() < 1e-3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct OwnEffect {
     acts_on: ActsOn,

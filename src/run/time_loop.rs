@@ -51,6 +51,34 @@ pub struct Progress {
 /// Is told how a run goes on; `()` does not listen.
 ///
 /// To stop a run from here, raise its [`Interrupt`].
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// struct Impatient(Interrupt);
+///
+/// impl Observer for Impatient {
+///     fn step(&mut self, progress: &Progress) {
+///         if progress.steps == 3 {
+///             self.0.raise();
+///         }
+///     }
+/// }
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let plan = Setup::text(scene).plan()?;
+/// let interrupt = Interrupt::default();
+/// let ended = run::<2>(&plan, None, &mut Impatient(interrupt.clone()), &interrupt);
+/// assert!(matches!(ended, Err(RunError::Interrupted { .. })));
+/// # Ok::<(), SceneErrors>(())
+/// ```
 pub trait Observer {
     /// A doubt arose.
     fn warn(&mut self, _message: &str) {}
@@ -80,6 +108,30 @@ pub fn run<const D: usize>(
 }
 
 /// What a run works with, beside its plan.
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let plan = Setup::text(scene).plan()?;
+/// let (interrupt, mut listener) = (Interrupt::default(), ());
+/// let job = Job {
+///     settings: Settings { reject_every: Some(2), ..Settings::default() },
+///     ..Job::new(&mut listener, &interrupt)
+/// };
+/// // Every second step is done twice, which must change nothing.
+/// let (_, state) = run_job::<2>(&plan, job)?;
+/// let (_, usual) = run::<2>(&plan, None, &mut (), &interrupt)?;
+/// assert_eq!(state.pressure, usual.pressure);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Job<'a> {
     /// Other processes, if there are any: all must run the same plan together, each with its own writer.
     /// The summary and the state are the same everywhere.
