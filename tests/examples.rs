@@ -134,6 +134,33 @@ fn an_effect_on_a_field_that_is_not_computed_is_refused() {
 }
 
 #[test]
+fn a_run_goes_on_with_its_own_effects_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = Setup::text(DRY).effect(pull()).plan().unwrap();
+    let interrupt = Interrupt::default();
+    let go_on = |plan: &Plan, from: Option<Checkpoint>| {
+        let mut writer = Writer::create(folder.path(), "").unwrap();
+        let mut listener = ();
+        let job = Job {
+            writer: Some(&mut writer),
+            settings: Settings {
+                checkpoints: Some(CheckpointRule::default()),
+                ..Settings::default()
+            },
+            from,
+            ..Job::new(&mut listener, &interrupt)
+        };
+        run_job::<2>(plan, job).map(|(_, state)| state)
+    };
+    let first = go_on(&with, None).unwrap();
+    let kept = || Some(Checkpoint::newest(folder.path()).unwrap());
+    assert_eq!(go_on(&with, kept()).unwrap(), first);
+    let without = Setup::text(DRY).plan().unwrap();
+    let error = go_on(&without, kept()).unwrap_err().to_string();
+    assert!(error.contains("\"pull\""), "{error}");
+}
+
+#[test]
 fn tables_that_do_not_fit_together_are_refused() {
     let table = || PointTable::new(2, &[0.0, 0.0, 1.0, 0.0], &[1.0, 1.0]);
     assert!(table().is_ok());

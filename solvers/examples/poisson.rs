@@ -2,14 +2,14 @@
 //!
 //! `cargo run --release -p perifrac-solvers --example poisson`
 
-use std::f64::consts::PI;
 use std::time::Instant;
 
 use perifrac_solvers::{Coordinates, CsrMatrix, Problem, SolverSpec, Symmetry};
 
 type Failure = Box<dyn std::error::Error>;
 
-const SPECS: [&str; 5] = [
+/// Solvers to compare.
+pub const SPECS: [&str; 5] = [
     "auto",
     "faer-llt",
     "faer-cg",
@@ -43,12 +43,13 @@ fn matrix(n: usize) -> (CsrMatrix, Vec<f64>) {
     (matrix, places)
 }
 
-fn main() -> Result<(), Failure> {
-    let (matrix, places) = matrix(150);
-    let exact = |place: &[f64]| (PI * place[0]).sin() * (PI * place[1]).sin();
-    let source: Vec<f64> = (places.chunks_exact(2))
-        .map(|place| 2.0 * PI * PI * exact(place))
-        .collect();
+/// Solves the problem on `n` × `n` places by the solver of a text; the largest error, u being (x − x⁵)(y − y²).
+pub fn solve(text: &str, n: usize) -> Result<f64, Failure> {
+    let (matrix, places) = matrix(n);
+    let pairs = || places.chunks_exact(2).map(|place| (place[0], place[1]));
+    let exact = |(x, y): (f64, f64)| (x - x.powi(5)) * (y - y * y);
+    let source = |(x, y): (f64, f64)| 20.0 * x.powi(3) * (y - y * y) + 2.0 * (x - x.powi(5));
+    let source: Vec<f64> = pairs().map(source).collect();
     let problem = Problem {
         coordinates: Some(Coordinates {
             dimension: 2,
@@ -56,23 +57,27 @@ fn main() -> Result<(), Failure> {
         }),
         ..Problem::new(matrix.view(), Symmetry::PositiveDefinite, 1)
     };
+    let started = Instant::now();
+    let mut solver = text.parse::<SolverSpec>()?.build()?;
+    solver.analyse(&problem)?;
+    solver.refresh(matrix.view())?;
+    let mut u = vec![0.0; source.len()];
+    let report = solver.solve(matrix.view(), &source, &mut u)?;
+    let errors = pairs().zip(&u).map(|(place, u)| (u - exact(place)).abs());
+    let largest = errors.fold(0.0, f64::max);
+    println!(
+        "{text:44} {:>8}: error {largest:.3e}, residual {:.0e}, {:3} iterations, {:.3} s",
+        solver.name(),
+        report.true_residual,
+        report.iterations,
+        started.elapsed().as_secs_f64()
+    );
+    Ok(largest)
+}
+
+fn main() -> Result<(), Failure> {
     for text in SPECS {
-        let started = Instant::now();
-        let mut solver = text.parse::<SolverSpec>()?.build()?;
-        solver.analyse(&problem)?;
-        solver.refresh(matrix.view())?;
-        let mut u = vec![0.0; source.len()];
-        let report = solver.solve(matrix.view(), &source, &mut u)?;
-        let pairs = places.chunks_exact(2).zip(&u);
-        let error = pairs.map(|(place, u)| (u - exact(place)).abs());
-        println!(
-            "{text:44} {:>8}: error {:.3e}, residual {:.0e}, {:3} iterations, {:.3} s",
-            solver.name(),
-            error.fold(0.0, f64::max),
-            report.true_residual,
-            report.iterations,
-            started.elapsed().as_secs_f64()
-        );
+        solve(text, 150)?;
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use perifrac_solvers::SolverSpec;
 
 use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, TimeMode};
 use crate::geometry::Side;
-use crate::plan::{PointTable, capability};
+use crate::plan::capability;
 use crate::scene::{Diagnostic, LoadedScene, SceneErrors, Span};
 
 /// Resolves a loaded scene for a run in one process; `case` is its name in reports.
@@ -48,7 +48,7 @@ pub fn resolve_for(
 pub(super) fn resolve_given(
     loaded: &LoadedScene,
     case: &str,
-    points: Option<&PointTable>,
+    points: Option<&super::PointTable>,
 ) -> Result<Plan, SceneErrors> {
     allowed(loaded, resolved(loaded, case, points)?, 1)
 }
@@ -77,7 +77,7 @@ pub fn resolve_any(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors
 fn resolved(
     loaded: &LoadedScene,
     case: &str,
-    points: Option<&PointTable>,
+    points: Option<&super::PointTable>,
 ) -> Result<Plan, SceneErrors> {
     let mut faults = Vec::new();
     let plan = Resolver {
@@ -95,7 +95,7 @@ fn resolved(
 struct Resolver<'a> {
     loaded: &'a LoadedScene,
     /// In place of a file of points.
-    points: Option<&'a PointTable>,
+    points: Option<&'a super::PointTable>,
     faults: &'a mut Vec<Diagnostic>,
 }
 
@@ -145,9 +145,9 @@ impl Resolver<'_> {
             damage,
             fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
+            own_effects: Vec::new(),
             cracks: fracture::cracks(scene, thickness),
             wells: flow::wells(scene, thickness),
-            own_effects: Vec::new(),
             time,
             scheme: control::scheme(scene),
             scheme_options: control::scheme_options(&scene.scheme),

@@ -58,12 +58,12 @@ pub struct Plan {
     pub fracture_flow: Option<FractureFlowPlan>,
     /// Gravity, if the scene names it.
     pub gravity: Option<GravityPlan>,
+    /// Effects that the program hands in; none in the plan of a scene.
+    pub own_effects: Vec<OwnEffect>,
     /// Cracks that are there from the start, in the scene's order.
     pub cracks: Vec<CrackPlan>,
     /// Wells, in the scene's order.
     pub wells: Vec<WellPlan>,
-    /// Effects that the program hands in; none in the plan of a scene.
-    pub own_effects: Vec<OwnEffect>,
     /// Time.
     pub time: TimePlan,
     /// Time scheme.
