@@ -24,6 +24,7 @@ const ORDER: &[&str] = &[
     "schemes",
     "output",
     "run",
+    "prelude",
     "cases",
     "study",
     "cli",

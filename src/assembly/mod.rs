@@ -9,8 +9,7 @@ mod scalar;
 mod uniform_flow;
 
 pub use consistency::{
-    Consistency, ConsistencyError, Planes, boundary_layer, consistent_gradient, natural_extension,
-    side_layer, surface_layer,
+    Consistency, ConsistencyError, Planes, consistent_gradient, natural_extension, side_layer,
 };
 pub use elastic::{Moduli, fill_rows, fill_stiffness};
 pub use operator::ScalarOperator;

@@ -11,6 +11,7 @@ use crate::output::{CheckpointError, OutputError, checkpoint};
 use crate::run::RunError;
 use crate::scene::SceneErrors;
 use crate::schemes::StepError;
+#[cfg(feature = "study")]
 use crate::study::StudyError;
 
 /// A failure of a verb, as told to the user.
@@ -28,8 +29,10 @@ pub enum Failure {
     Memory(String),
     /// A file could not be written.
     Output(OutputError),
+    #[cfg(feature = "study")]
     /// A study or a report could not be made.
     Study(StudyError),
+    #[cfg(feature = "study")]
     /// A study was interrupted; what is done is kept.
     Interrupted(String),
     /// Standard output went away.
@@ -44,8 +47,11 @@ impl Failure {
             Failure::Scene(_) => 3,
             Failure::Run(error) | Failure::Stopped(error, _) => run_code(error),
             Failure::Memory(_) | Failure::Output(_) => 1,
+            #[cfg(feature = "study")]
             Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
+            #[cfg(feature = "study")]
             Failure::Study(_) => 1,
+            #[cfg(feature = "study")]
             Failure::Interrupted(_) => interrupt::code(),
             Failure::Broken => 0,
         }
@@ -77,7 +83,9 @@ impl Failure {
                 folder.display()
             ),
             Failure::Output(error) => format!("error: {error}"),
+            #[cfg(feature = "study")]
             Failure::Study(error) => format!("error: {error}"),
+            #[cfg(feature = "study")]
             Failure::Interrupted(message) => format!("interrupted: {message}"),
             Failure::Broken => return 0,
         };
@@ -144,6 +152,7 @@ impl From<ModelError> for Failure {
     }
 }
 
+#[cfg(feature = "study")]
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         Failure::Study(error)

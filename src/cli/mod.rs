@@ -4,12 +4,15 @@ mod cases;
 mod check;
 mod common;
 mod exit;
+#[cfg(feature = "study")]
+mod forecast;
 mod interrupt;
 mod label;
 mod memory;
 mod plan;
 mod processes;
 mod progress;
+#[cfg(feature = "study")]
 mod report;
 mod resume;
 mod run;
@@ -17,6 +20,7 @@ mod schema;
 mod schemes;
 mod solvers;
 mod stages;
+#[cfg(feature = "study")]
 mod study;
 mod threads;
 
@@ -48,8 +52,10 @@ enum Verb {
     Plan(plan::Args),
     /// Check a scene without running it
     Check(check::Args),
+    #[cfg(feature = "study")]
     /// Run a case in many ways and report what accuracy costs and where schemes hold
     Study(study::Args),
+    #[cfg(feature = "study")]
     /// Put fields, histories, errors and balances of a run on one page
     Report(report::Args),
     /// List the bundled cases, or write one to a folder
@@ -81,7 +87,9 @@ fn act(verb: Verb) -> Result<(), exit::Failure> {
         Verb::Resume(args) => resume::run(&args),
         Verb::Plan(args) => plan::run(&args),
         Verb::Check(args) => check::run(&args),
+        #[cfg(feature = "study")]
         Verb::Study(args) => study::run(&args),
+        #[cfg(feature = "study")]
         Verb::Report(args) => report::run(&args),
         Verb::Cases(args) => cases::run(&args),
         Verb::Schemes => schemes::run(),

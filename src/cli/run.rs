@@ -7,9 +7,7 @@ use std::time::Duration;
 use perifrac_solvers::{Interrupt, Team};
 
 use crate::output::OutputError;
-use crate::run::{
-    Checkpoint, CheckpointRule, Job, Settings, Snapshot, Summary, Writer, run_job,
-};
+use crate::run::{Checkpoint, CheckpointRule, Job, Settings, Snapshot, Summary, Writer, run_job};
 use crate::scene::units;
 
 use super::common::{Asked, Planned, SceneArgs};

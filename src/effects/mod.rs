@@ -7,6 +7,7 @@ mod cracks;
 mod flux;
 mod gravity;
 mod injection;
+mod own;
 mod side_area;
 mod solid;
 mod source;
@@ -18,8 +19,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use aperture::aperture;
 pub use gravity::Column;
 pub use injection::injection_shares;
-pub use solid::{SolidContext, build_solid, side_areas, tensor};
-pub use source::ManufacturedSource;
+pub use solid::{SolidContext, build_solid, tensor};
+
+pub use crate::plan::Effect;
 
 use crate::assembly::ScalarOperator;
 use crate::geometry::{Side, Vector};
@@ -36,49 +38,15 @@ pub struct Context<'a, const D: usize> {
     pub extension: &'a Extension<D>,
     /// K/μ per point, m²/(Pa s).
     pub mobility: &'a [f64],
-    /// Storage coefficient per point, 1/Pa.
-    pub storage: &'a [f64],
     /// Weight of the fluid, if gravity acts.
     pub column: Option<&'a Column<D>>,
     /// Points per crack that are damaged from the start.
     pub bands: &'a [Vec<u32>],
 }
 
-/// A contribution to the right-hand side of a field: the rate of volume at the points for flow, the
-/// force on the displacement unknowns for mechanics.
-pub trait Effect: Send + Sync {
-    /// Name in scenes and reports.
-    fn name(&self) -> &'static str;
-
-    /// Adds the rate at `time` to `rate`: shape `(n,)` in m^D/s, or `(n·D,)` in N.
-    fn add_rate(&self, time: f64, rate: &mut [f64]);
-
-    /// Total rate of fluid brought in at `time`, m^D/s; zero for what only moves fluid about.
-    fn injection(&self, _time: f64) -> f64 {
-        0.0
-    }
-
-    /// Sum of the absolute rates at `time`, m^D/s: the scale of balances.
-    fn gross(&self, time: f64) -> f64 {
-        self.injection(time).abs()
-    }
-
-    /// Times at which the rate's slope jumps; steps end there.
-    fn breakpoints(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
-    /// Whether the rate is the same at all times.
-    fn is_constant(&self) -> bool {
-        self.breakpoints().is_empty()
-    }
-
-    /// Bytes held.
-    fn bytes(&self) -> usize;
-}
-
 /// Why an effect could not be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EffectError {
     /// A well's support has no point of the cloud.
     #[error("well \"{name}\" at {at:?}: no point within its radius of {radius:.3e} m")]
@@ -149,13 +117,14 @@ pub enum EffectError {
 type Build<const D: usize> = fn(&Context<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
 
 /// Every effect with the function that builds it, or nothing if the plan does not name it.
-fn registry<const D: usize>() -> [Build<D>; 5] {
+fn registry<const D: usize>() -> [Build<D>; 6] {
     [
         flux::build,
         gravity::build,
         wells::build,
         injection::build,
         source::build,
+        own::of_flow,
     ]
 }
 

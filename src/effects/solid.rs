@@ -2,7 +2,7 @@
 
 use super::cracks::crack_pressures;
 use super::side_area::acting_area;
-use super::{Counted, Effect, EffectError, vector};
+use super::{Counted, Effect, EffectError, own, vector};
 use crate::assembly::{Planes, natural_extension, side_layer};
 use crate::geometry::{Matrix, Side, Vector};
 use crate::load::Load;
@@ -26,7 +26,7 @@ pub struct SolidContext<'a, const D: usize> {
 type Build<const D: usize> = fn(&SolidContext<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
 
 /// Every load with the function that builds it, or nothing if the plan does not name it.
-fn registry<const D: usize>() -> [Build<D>; 6] {
+fn registry<const D: usize>() -> [Build<D>; 7] {
     [
         tractions,
         loads,
@@ -34,6 +34,7 @@ fn registry<const D: usize>() -> [Build<D>; 6] {
         weight,
         initial_stress,
         crack_pressures,
+        own::of_solid,
     ]
 }
 

@@ -44,6 +44,8 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
         effects.push(reason("coupling", format!("[coupling] is there, {start}")));
     }
     effects.extend(fracture_flow(plan));
+    let own = |_| reason("own effect", "the program hands it in");
+    effects.extend(plan.own_effects.iter().map(own));
     effects
 }
 

@@ -7,10 +7,17 @@ use crate::plan::FileError;
 
 /// A plan that cannot become a model.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ModelError {
     /// No effect is named.
     #[error("the scene names no effect; add [flow] or [mechanics]")]
     NothingToDo,
+    /// An own effect acts on a field that is not computed.
+    #[error("an own effect acts on a field that is not computed; add {section} to the scene")]
+    NothingToActOn {
+        /// The section that is missing.
+        section: &'static str,
+    },
     /// The cloud could not be generated.
     #[error(transparent)]
     Generate(#[from] GenerateError),

@@ -2,7 +2,7 @@
 
 use crate::effects::vector;
 use crate::geometry::{Cloud, Locator, Side, Voids, neighbour_distances};
-use crate::plan::{CrackKind, GeometryPlan, Plan};
+use crate::plan::{ActsOn, CrackKind, GeometryPlan, Plan};
 
 use super::{Bands, ModelError};
 
@@ -13,6 +13,23 @@ const DENSITY: [f64; 2] = [0.25, 40.0];
 const VOLUME: f64 = 0.1;
 /// Spacings between a probe and the nearest point that are believed: corners of cubes are at 0.87.
 const PROBE: f64 = 1.5;
+
+/// Refuses own effects on a field that is not computed.
+///
+/// # Errors
+/// [`ModelError::NothingToActOn`].
+pub(super) fn check_effects(plan: &Plan) -> Result<(), ModelError> {
+    for effect in &plan.own_effects {
+        let (there, section) = match effect.acts_on() {
+            ActsOn::Flow => (plan.flow.is_some(), "[flow]"),
+            ActsOn::Solid => (plan.mechanics.is_some(), "[mechanics]"),
+        };
+        if !there {
+            return Err(ModelError::NothingToActOn { section });
+        }
+    }
+    Ok(())
+}
 
 /// Refuses points that do not fill the bounds or have other volumes, and probes where no point is.
 ///

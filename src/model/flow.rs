@@ -153,19 +153,11 @@ impl<const D: usize> FlowModel<D> {
         self.refill_plan = Arc::new(self.operator.refill_plan(&self.extension, &pattern));
         self.pattern = Arc::new(pattern);
         self.refill();
-        let cloud = &self.operator.neighbourhood().cloud;
-        let storage: Vec<f64> = self
-            .capacity
-            .iter()
-            .zip(&cloud.volume)
-            .map(|(c, v)| c / v)
-            .collect();
         self.effects = Arc::new(effects::build(&Context {
             plan,
             operator: &*self.operator,
             extension: &self.extension,
             mobility: &self.mobility,
-            storage: &storage,
             column: self.column.as_ref(),
             bands: &bands.points,
         })?);

@@ -48,6 +48,24 @@ use crate::report::Timers;
 ///
 /// Where rock that breaks conducts fluid the coefficients of flow belong to the state, and
 /// [`Model::with`] gives the model at a state; such clones share all that does not depend on them.
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let model = Model::<2>::of(&Setup::text(scene).plan()?)?;
+/// assert_eq!(model.cloud.len(), 100);
+/// assert!((model.cloud.volume.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+/// assert!(model.flow.is_some() && model.solid.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct Model<const D: usize> {
     /// The points.
@@ -79,6 +97,14 @@ pub struct Model<const D: usize> {
 }
 
 impl<const D: usize> Model<D> {
+    /// The model of a plan, without a record of the time it takes.
+    ///
+    /// # Errors
+    /// As [`Model::build`].
+    pub fn of(plan: &Plan) -> Result<Self, ModelError> {
+        Self::build(plan, &mut Timers::default())
+    }
+
     /// Builds cloud, families, operators and effects that the plan names.
     ///
     /// # Errors
@@ -99,6 +125,7 @@ impl<const D: usize> Model<D> {
         if plan.flow.is_none() && plan.mechanics.is_none() {
             return Err(ModelError::NothingToDo);
         }
+        fit::check_effects(plan)?;
         let (cloud, table) = timers.time("cloud", || build_cloud::<D>(plan))?;
         fit::check(plan, &cloud)?;
         let cloud = Arc::new(cloud);

@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::{Extension, Neighbourhood};
+#[cfg(test)]
+use super::Extension;
+use super::Neighbourhood;
 use crate::geometry::Vector;
 
 /// Weights of the gradient: (∇̃f)_i = Σ_b weight_b · (bond difference of f)_b.
@@ -55,7 +57,8 @@ pub fn family_gradient<const D: usize>(
 ///
 /// Zero inside a uniform cloud; in the layer at a one-sided boundary they add up to the outward
 /// area of the boundary, so that a uniform flux or stress is balanced exactly.
-pub fn area_vectors<const D: usize>(
+#[cfg(test)]
+fn area_vectors<const D: usize>(
     around: &Neighbourhood<D>,
     gradient: &Gradient<D>,
     extension: &Extension<D>,

@@ -23,13 +23,13 @@ mod neighbourhood;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
-pub use crossings::{Crossing, Crossings};
+pub use crossings::Crossings;
 pub use damage::{Answer, Damage};
 pub use divergence::Divergence;
 pub use elastic::{Elastic, point_value};
 pub use extension::{Extension, Parity};
 pub use faces::face_areas;
-pub use gradient::{Gradient, area_vectors, column_sums, family_gradient};
+pub use gradient::{Gradient, column_sums, family_gradient};
 pub use hourglass::Hourglass;
 pub use neighbourhood::Neighbourhood;
 

@@ -56,6 +56,7 @@ pub struct Header {
 
 /// Why a run cannot go on from a checkpoint.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CheckpointError {
     /// The folder has none.
     #[error(

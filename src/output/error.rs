@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Why a file could not be written or read back; every message names the file and the remedy.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum OutputError {
     /// The device holding the file has no room, or a quota is used up.
     #[error(

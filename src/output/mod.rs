@@ -26,9 +26,11 @@ pub use error::OutputError;
 pub use history::{History, Table};
 pub use lock::{FolderLock, LOCK};
 pub use manifest::{LIST, Manifest, remove_results};
+#[cfg(feature = "plots")]
+pub use plots::lines_text;
 pub use plots::{
-    FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PathPlot, Scale, Series, WIDE,
-    animation_png, field_png, lines_svg, lines_text, multiples_png, paths_svg,
+    DRAWS, FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PathPlot, Scale, Series, WIDE,
+    animation_png, field_png, lines_svg, multiples_png, paths_svg,
 };
 pub use pvd::Pvd;
 pub use pvtu::write_pvtu;

@@ -1,17 +1,24 @@
 //! The plan: a scene resolved to SI units and active effects. Nothing downstream reads the scene.
 
+#[doc(hidden)]
 pub mod capability;
 mod demand;
 mod exact;
 mod files;
+mod own;
 mod resolve;
+mod setup;
 mod types;
 mod width;
 
+pub use crate::geometry::generate::{Refinement, Segment};
+pub use crate::geometry::{Horizon, Influence, Shape};
 pub use crate::load::Load;
 pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
-pub use files::{FileError, PointTable, check_length, read_array};
+pub use files::{FileError, PointTable, TableError, check_length, read_array};
+pub use own::{ActsOn, Effect, OwnEffect, Points};
 pub use resolve::{resolve, resolve_any, resolve_for};
+pub use setup::Setup;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
     DamageMethod, DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// A reference solution or a comparison that cannot be formed.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ReferenceError {
     /// A parameter that must be finite and above zero is not.
     #[error("{parameter} is {value}; it must be finite and greater than zero")]

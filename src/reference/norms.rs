@@ -17,6 +17,14 @@ pub struct Sample {
 
 /// Norms of computed minus exact, in the unit of the field (Pa for pressures).
 ///
+/// ```
+/// use perifrac::prelude::ErrorNorms;
+///
+/// let norms = ErrorNorms::compare(&[1.0, 2.0, 4.0], &[1.0, 2.0, 3.0], &[1.0; 3], &[])?;
+/// assert_eq!((norms.max, norms.worst_point, norms.range), (1.0, 2, 2.0));
+/// # Ok::<(), perifrac::reference::ReferenceError>(())
+/// ```
+///
 /// Sums run over the points in their order on one thread, with compensation, so the result does
 /// not depend on the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]

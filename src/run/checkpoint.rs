@@ -183,6 +183,25 @@ impl Checkpoint {
             false => format!("it has {then} points, and now there are {now}"),
         }))
     }
+
+    /// Refuses a checkpoint of a run with effects that are not `known` now: those of a program, which no
+    /// scene holds.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Misfit`].
+    pub fn check_effects(
+        &self,
+        known: &BTreeMap<&'static str, u64>,
+    ) -> Result<(), CheckpointError> {
+        let mut all = self.record.course.evaluations.keys();
+        match all.find(|name| !known.contains_key(name.as_str())) {
+            None => Ok(()),
+            Some(name) => Err(self.misfit(format!(
+                "its run has the effect \"{name}\", and this one has not; go on from it in the program that \
+                 hands the effect in"
+            ))),
+        }
+    }
 }
 
 /// Checksum of the positions and volumes of a cloud.

@@ -7,6 +7,7 @@ use crate::schemes::StepError;
 
 /// A run that did not reach its end.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The plan does not fit its points.
     #[error(transparent)]

@@ -57,6 +57,7 @@ impl<const D: usize> Run<'_, D> {
     ) -> Result<March, RunError> {
         checkpoint.check_processes(self.processes())?;
         checkpoint.check_cloud(&self.model.cloud)?;
+        checkpoint.check_effects(&self.evaluations())?;
         let Record { state, course, .. } = &checkpoint.record;
         self.state.clone_from(state);
         self.follow_state();

@@ -12,6 +12,7 @@ use crate::schemes::StepLimit;
 
 /// Result of a run.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Summary {
     /// Name of the case.
     pub case: String,

@@ -26,6 +26,7 @@ use crate::schemes::{
 
 /// Where a run stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Progress {
     /// Time, s.
     pub time: f64,
@@ -43,14 +44,48 @@ pub struct Progress {
     pub passes: Option<(usize, f64)>,
     /// Energy of Eq. 73 less the work of the loads, J; with mechanics.
     pub potential: Option<f64>,
+    /// Length of all cracks, m (area in space, m²); with damage.
+    pub crack_length: Option<f64>,
 }
 
-/// Is told how a run goes on.
+/// Is told how a run goes on; `()` does not listen.
+///
+/// To stop a run from here, raise its [`Interrupt`].
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// struct Impatient(Interrupt);
+///
+/// impl Observer for Impatient {
+///     fn step(&mut self, progress: &Progress) {
+///         if progress.steps == 3 {
+///             self.0.raise();
+///         }
+///     }
+/// }
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let plan = Setup::text(scene).plan()?;
+/// let interrupt = Interrupt::default();
+/// let ended = run::<2>(&plan, None, &mut Impatient(interrupt.clone()), &interrupt);
+/// assert!(matches!(ended, Err(RunError::Interrupted { .. })));
+/// # Ok::<(), SceneErrors>(())
+/// ```
 pub trait Observer {
     /// A doubt arose.
     fn warn(&mut self, _message: &str) {}
     /// A step was accepted.
     fn step(&mut self, _progress: &Progress) {}
+    /// The fields after that step.
+    fn state(&mut self, _state: &State) {}
 }
 
 impl Observer for () {}
@@ -73,6 +108,30 @@ pub fn run<const D: usize>(
 }
 
 /// What a run works with, beside its plan.
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let plan = Setup::text(scene).plan()?;
+/// let (interrupt, mut listener) = (Interrupt::default(), ());
+/// let job = Job {
+///     settings: Settings { reject_every: Some(2), ..Settings::default() },
+///     ..Job::new(&mut listener, &interrupt)
+/// };
+/// // Every second step is done twice, which must change nothing.
+/// let (_, state) = run_job::<2>(&plan, job)?;
+/// let (_, usual) = run::<2>(&plan, None, &mut (), &interrupt)?;
+/// assert_eq!(state.pressure, usual.pressure);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Job<'a> {
     /// Other processes, if there are any: all must run the same plan together, each with its own writer.
     /// The summary and the state are the same everywhere.
@@ -135,6 +194,7 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         .iter()
         .chain(&model.warnings)
         .cloned()
+        .chain(super::writer::undrawn(plan, writer.as_deref()))
         .collect();
     warnings.iter().for_each(|warning| observer.warn(warning));
     let state = takeover::initial_state(plan, from.as_ref(), &mut model, processes)?;
@@ -444,7 +504,9 @@ impl<const D: usize> Run<'_, D> {
             iterations: report.iterations,
             passes: report.residual.map(|left| (report.passes, left)),
             potential: self.balance.potential,
+            crack_length: self.tracker.last.as_ref().map(|last| last.crack_length),
         });
+        self.observer.state(&self.state);
         Ok(written)
     }
 

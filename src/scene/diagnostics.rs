@@ -93,7 +93,9 @@ impl Diagnostic {
 const MOST_SHOWN: usize = 100;
 
 /// Everything that is wrong with a scene, in the order of the file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+///
+/// `Debug` shows the same text as `Display`: a program whose `main` returns these errors underlines the place.
+#[derive(Clone, PartialEq, Eq)]
 pub struct SceneErrors {
     /// The faults; never empty.
     pub diagnostics: Vec<Diagnostic>,
@@ -136,6 +138,12 @@ impl SceneErrors {
 impl fmt::Display for SceneErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.render(false))
+    }
+}
+
+impl fmt::Debug for SceneErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "\n{self}")
     }
 }
 

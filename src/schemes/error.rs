@@ -7,6 +7,7 @@ use crate::plan::capability::Refusal;
 
 /// Why a step was rejected: the measure that it did not meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Rejection {
     /// The error estimate of the step, or values that left all bounds.
     Error,
@@ -90,6 +91,7 @@ impl std::fmt::Display for Conserved {
 
 /// A step that cannot be accepted.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StepError {
     /// The linear solver gave up.
     #[error("linear solver: {0}")]

@@ -131,6 +131,31 @@ impl SchemeCounters {
 ///
 /// A step is a function of the model, the state it starts from and its length: what a scheme learns is part
 /// of the state it leads to, so a rejected trial leaves no trace.
+///
+/// ```
+/// use perifrac::prelude::*;
+///
+/// # let scene = r#"
+/// #     title = "A square that drains to the left"
+/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
+/// #     fluid.viscosity = "1 mPa s"
+/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
+/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
+/// #     time.end = "1 s"
+/// # "#;
+/// let plan = Setup::text(scene).plan()?;
+/// let model = Model::<2>::of(&plan)?;
+/// let mut scheme = build_scheme(&plan, &model)?;
+/// let mut state = State::initial(&model);
+/// scheme.start(&model, &mut state)?;
+/// let mut trial = state.clone();
+/// while state.time < plan.time.end {
+///     scheme.step(&model, &state, 0.125, &mut trial)?;
+///     std::mem::swap(&mut state, &mut trial);
+/// }
+/// assert!(state.pressure.iter().all(|p| (0.0..1e5).contains(p)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Scheme<const D: usize>: Send {
     /// Name as on the command line, with the integrator.
     fn name(&self) -> &str;

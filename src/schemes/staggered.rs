@@ -105,7 +105,7 @@ impl<const D: usize> Staggered<D> {
     /// Brings `state` to the undrained answer to the loads at its time.
     ///
     /// # Errors
-    /// As [`undrained`].
+    /// As `undrained`.
     pub fn undrain(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         undrained(model, &mut *self.solid, &self.options, state)
     }

@@ -19,8 +19,20 @@ const SHORTENED: &[(&str, &[&str])] = &[
     ("plan terzaghi --for-error", &["geometry.spacing=0.5"]),
 ];
 
-/// Commands that are not run here: they are continuous integration itself.
-const ELSEWHERE: &[&str] = &["cargo build", "cargo test", "cargo clippy", "cargo fmt"];
+/// Commands that are not run here: they are continuous integration itself, for users of the library, or
+/// tested elsewhere (examples).
+const ELSEWHERE: &[&str] = &[
+    "cargo add",
+    "cargo build",
+    "cargo check",
+    "cargo clippy",
+    "cargo doc",
+    "cargo fmt",
+    "cargo package",
+    "cargo run --release --example",
+    "cargo run --release -p",
+    "cargo test",
+];
 
 /// What stands for a name of the user's choice.
 const PLACEHOLDERS: &[(&str, &str)] = &[

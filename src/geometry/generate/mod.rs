@@ -12,6 +12,7 @@ use super::Vector;
 
 /// Why a cloud could not be generated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GenerateError {
     /// A spacing that does not divide the domain.
     #[error(

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::Multiples;
 use super::field::draw_in;
-use super::multiples::{Multiples, unsupported};
+use super::multiples::unsupported;
 use super::raster::encode_animation;
 use crate::output::{OutputError, write_atomically};
 

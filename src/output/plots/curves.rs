@@ -6,9 +6,9 @@ use super::axes::{Axis, Frame};
 use super::canvas::Canvas;
 use super::decimate::{along, decimated, thinned};
 use super::legend::Look;
-use super::lines::{LinePlot, LineStyle, Series};
 use super::units::{axis_label, engineering, split_label};
 use super::{Drawn, Place};
+use super::{LinePlot, LineStyle, Series};
 
 /// Most marks of one series; more are thinned evenly.
 const MOST_MARKS: usize = 400;

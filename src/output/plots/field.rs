@@ -4,7 +4,6 @@ use std::path::Path;
 
 use plotters_bitmap::BitMapBackend;
 
-use super::Drawn;
 use super::axes::Axis;
 use super::canvas::Canvas;
 use super::colours::ColourScale;
@@ -12,46 +11,11 @@ use super::layout::{Content, Layout};
 use super::page::Page;
 use super::raster::{Cell, Picture, Window, paint_cells};
 use super::units::{Shown, engineering, readable_time};
+use super::{Drawn, FieldPlot, Scale};
 use crate::output::{OutputError, write_atomically};
 
 /// Limits of the width of a picture, px.
 pub(super) const WIDTHS: (u32, u32) = (400, 8000);
-
-/// How values are spread over the colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scale {
-    /// Evenly.
-    #[default]
-    Linear,
-    /// By their decimal logarithm; values that are not positive are grey.
-    Log10,
-}
-
-/// A field over the plane, drawn as one coloured cell per point.
-#[derive(Debug, Clone, Copy)]
-pub struct FieldPlot<'a> {
-    /// Title, such as `pressure`.
-    pub title: &'a str,
-    /// SI unit of the values, such as `Pa`; empty for pure numbers.
-    pub unit: &'a str,
-    /// Coordinates point by point, m. Shape `(points · dimension,)`.
-    pub positions: &'a [f64],
-    /// Coordinates per point, 2 or 3; only the first two are drawn, so that points in space should be
-    /// those of one slice.
-    pub dimension: usize,
-    /// Edge of the square cell of each point, m. Shape `(points,)`.
-    pub sizes: &'a [f64],
-    /// Values. Shape `(points,)`. Those that are not finite are drawn in grey.
-    pub values: &'a [f64],
-    /// Simulated time, s.
-    pub time: Option<f64>,
-    /// Linear or logarithmic colours.
-    pub scale: Scale,
-    /// Values at the ends of the colour bar, in `unit`; by default the extremes of the values.
-    pub range: Option<(f64, f64)>,
-    /// Width of the picture, px; 400 to 8000, the height follows.
-    pub width_px: u32,
-}
 
 /// Draws a field as a PNG picture with axes in metres and a colour bar, written atomically.
 ///

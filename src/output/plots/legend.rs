@@ -2,12 +2,12 @@
 
 use plotters_backend::DrawingBackend;
 
+use super::LineStyle;
 use super::axes::Frame;
 use super::canvas::{Anchor, Canvas, Colour, GRID, Text, WHITE};
 use super::colours::PALETTE;
 use super::decimate::dashes;
 use super::font::text_width;
-use super::lines::LineStyle;
 use super::{Drawn, Place};
 
 /// Width of curves, px.

@@ -10,65 +10,14 @@ use super::canvas::{Anchor, Canvas, DIM, SVG_UNITS, Text, WHITE};
 use super::curves::{Curve, Shown, curves, dense, draw_curve, drawable, pairs, shown_x, shown_y};
 use super::font::wrap;
 use super::legend::{Legend, Look};
-use super::{Drawn, Place};
+use super::{Drawn, LinePlot, LineStyle, Place, Series, WIDE};
 use crate::output::{OutputError, write_atomically};
 
-/// Width of drawings, px.
-pub const WIDE: f64 = 900.0;
-/// Width of drawings whose numbers can be read on a phone, px.
-pub const NARROW: f64 = 520.0;
 /// Height of the frame without title, notes and outer legend, px.
 const FRAME_HEIGHT: f64 = 430.0;
 
 /// Font size of the numbers, px.
 const SIZE: f64 = 15.0;
-
-/// How a series is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LineStyle {
-    /// A solid curve.
-    #[default]
-    Line,
-    /// A dashed curve, for instance an exact solution.
-    Dashed,
-    /// One mark per value, for instance measurements.
-    Markers,
-}
-
-/// One set of values over a coordinate.
-#[derive(Debug, Clone, Copy)]
-pub struct Series<'a> {
-    /// Name in the legend; empty for none: the series then looks as the one before it.
-    pub label: &'a str,
-    /// Coordinates, in the unit of the axis label.
-    pub x: &'a [f64],
-    /// Values, as many as `x`; those that are not finite are gaps.
-    pub y: &'a [f64],
-    /// How the series is drawn.
-    pub style: LineStyle,
-}
-
-/// Curves over a common axis.
-///
-/// Labels may end in a unit in brackets, such as `time [s]` or `pressure [Pa]`; the numbers of linear
-/// axes are then shown in a handy multiple of it.
-#[derive(Debug, Clone, Copy)]
-pub struct LinePlot<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// Label of the horizontal axis, with the unit in brackets.
-    pub x_label: &'a str,
-    /// Label of the vertical axis, with the unit in brackets.
-    pub y_label: &'a str,
-    /// Logarithmic horizontal axis; values that are not positive become gaps.
-    pub x_log: bool,
-    /// Logarithmic vertical axis; values that are not positive become gaps.
-    pub y_log: bool,
-    /// The curves, from back to front.
-    pub series: &'a [Series<'a>],
-    /// A remark below the plot.
-    pub note: Option<&'a str>,
-}
 
 /// Draws curves with axes and legend as an SVG drawing, written atomically.
 ///
@@ -89,7 +38,7 @@ pub fn lines_svg(path: impl AsRef<Path>, plot: &LinePlot<'_>) -> Result<(), Outp
 }
 
 /// Draws curves with axes and legend as the text of an SVG drawing of a width such as [`WIDE`] or
-/// [`NARROW`].
+/// [`NARROW`](super::NARROW).
 ///
 /// # Errors
 /// The reason, as in [`OutputError::Drawing`].

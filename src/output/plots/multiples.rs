@@ -5,41 +5,19 @@ use std::path::Path;
 use plotters_backend::DrawingBackend;
 use plotters_bitmap::BitMapBackend;
 
-use super::Drawn;
 use super::axes::{Axes, Axis};
 use super::bar::Bar;
 use super::canvas::{Anchor, Canvas, DIM, Text};
 use super::colours::ColourScale;
-use super::field::{FieldPlot, Scale, WIDTHS, cells, units};
+use super::field::{WIDTHS, cells, units};
 use super::grid::{Contents, Grid, Panel};
 use super::raster::{Picture, paint_cells};
 use super::units::{axis_label, readable_time};
+use super::{Drawn, FieldPlot, Multiples, Scale};
 use crate::output::{OutputError, write_atomically};
 
 /// Most panels of one picture.
 const MOST_PANELS: usize = 12;
-
-/// One field over the plane at several times, all with the same colours.
-#[derive(Debug, Clone, Copy)]
-pub struct Multiples<'a> {
-    /// Title, such as `pressure`.
-    pub title: &'a str,
-    /// SI unit of the values, such as `Pa`; empty for pure numbers.
-    pub unit: &'a str,
-    /// Coordinates point by point, m. Shape `(points · 2,)`.
-    pub positions: &'a [f64],
-    /// Edge of the square cell of each point, m. Shape `(points,)`.
-    pub sizes: &'a [f64],
-    /// Simulated time, s, and values of each frame in the order shown. Shape of the values:
-    /// `(points,)`. Those that are not finite are drawn in grey.
-    pub frames: &'a [(f64, Vec<f64>)],
-    /// Linear or logarithmic colours.
-    pub scale: Scale,
-    /// Values at the ends of the colour bar, in `unit`; by default the extremes over all frames.
-    pub range: Option<[f64; 2]>,
-    /// Width of the picture, px; 400 to 8000, the height follows.
-    pub width_px: u32,
-}
 
 /// Draws up to 12 frames side by side as a PNG picture with one colour bar, written atomically. The
 /// caller chooses which frames to show.

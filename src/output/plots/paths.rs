@@ -14,7 +14,7 @@ use super::multiples::unsupported;
 use super::page::Page;
 use super::raster::Window;
 use super::units::{Shown, axis_label, engineering};
-use super::{Drawn, Place};
+use super::{Drawn, PathPlot, Place};
 use crate::output::{OutputError, write_atomically};
 
 /// Width of the drawing, px.
@@ -30,23 +30,6 @@ const RIM: f64 = 0.7;
 
 /// Broken places nearer to each other than this are drawn as one, px.
 const NEAR: f64 = 0.5;
-
-/// Cracks in a plane domain: those there from the start, and where the material broke later.
-#[derive(Debug, Clone, Copy)]
-pub struct PathPlot<'a> {
-    /// Title.
-    pub title: &'a str,
-    /// Lower left and upper right corner of the domain, m.
-    pub bounds: [[f64; 2]; 2],
-    /// Cracks that are there from the start, corner by corner, m. Parts outside the domain are not
-    /// drawn.
-    pub initial: &'a [Vec<[f64; 2]>],
-    /// Broken places in any order: x and y, m, and the time at which the place broke, s. Those
-    /// outside the domain are counted below the plot.
-    pub points: &'a [[f64; 3]],
-    /// A remark below the plot.
-    pub note: Option<&'a str>,
-}
 
 /// Draws crack paths coloured by time as an SVG drawing, written atomically.
 ///

@@ -1,8 +1,8 @@
 //! What can be combined: schemes, effects, solvers and processes.
 //!
 //! One table decides, [`RULES`]; `check`, `plan` and `run` ask it through [`refusals`], and `perifrac
-//! schemes` and `docs/combinations.md` are written from it by [`page`]. Which scheme an admitted plan gets,
-//! and which systems that solves, is [`method`].
+//! schemes` and `docs/combinations.md` are written from it by `page`. Which scheme an admitted plan gets,
+//! and which systems that solves, is `method`.
 
 mod feature;
 mod method;

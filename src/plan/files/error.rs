@@ -47,6 +47,7 @@ impl fmt::Display for ValueFault {
 
 /// Why a file gives no points or permeabilities; every message names the file and the remedy.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// There is no such file.
     #[error("{path}: file not found; correct the path, which is relative to the scene file")]

@@ -8,6 +8,7 @@ mod csv;
 mod error;
 mod npy;
 mod order;
+mod table;
 mod values;
 mod vtu;
 
@@ -16,22 +17,8 @@ use std::path::Path;
 
 pub use error::{FileError, Place, ValueFault};
 pub use order::{PermeabilityTable, check_length};
+pub use table::{PointTable, TableError};
 pub use vtu::read_array;
-
-/// Points read from a file, in SI units.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PointTable {
-    /// Space dimension, 2 or 3.
-    pub dimension: usize,
-    /// Coordinates point by point, m. Shape `(points · dimension,)`.
-    pub position: Vec<f64>,
-    /// Volume of each point, m³, or area in the plane, m². Positive. Shape `(points,)`.
-    pub volume: Vec<f64>,
-    /// Name of the material at each point, if the file gives it. Shape `(points,)`.
-    pub material: Option<Vec<String>>,
-    /// Permeability at each point, m², if the file gives it. Positive. Shape `(points,)`.
-    pub permeability: Option<Vec<f64>>,
-}
 
 /// Reads points from a `.csv` or `.vtu` file.
 ///

@@ -79,7 +79,11 @@ impl Resolver<'_> {
 
     fn points(&mut self, file: &scene::PointFile) -> Option<GeometryPlan> {
         let path = self.loaded.path(&file.path);
-        match read_points(&path) {
+        let table = match self.points {
+            Some(table) => (table.check().map(|()| table.clone())).map_err(|e| e.to_string()),
+            None => read_points(&path).map_err(|error| error.to_string()),
+        };
+        match table {
             Err(error) => self.fault(file.path.span, error),
             Ok(table) => {
                 let bounds = file

@@ -38,7 +38,23 @@ pub fn resolve_for(
     case: &str,
     processes: usize,
 ) -> Result<Plan, SceneErrors> {
-    let plan = resolve_any(loaded, case)?;
+    allowed(loaded, resolve_any(loaded, case)?, processes)
+}
+
+/// Resolves a loaded scene for a run in one process, with points in place of the file that it names.
+///
+/// # Errors
+/// As [`resolve_for`].
+pub(super) fn resolve_given(
+    loaded: &LoadedScene,
+    case: &str,
+    points: Option<&super::PointTable>,
+) -> Result<Plan, SceneErrors> {
+    allowed(loaded, resolved(loaded, case, points)?, 1)
+}
+
+/// The plan, if its parts can be combined.
+fn allowed(loaded: &LoadedScene, plan: Plan, processes: usize) -> Result<Plan, SceneErrors> {
     let scheme = plan.scheme.scheme();
     let features = capability::features(&plan, processes);
     let faults: Vec<Diagnostic> = capability::broken(scheme, &features)
@@ -55,9 +71,18 @@ pub fn resolve_for(
 /// # Errors
 /// As [`resolve_for`], without what cannot be combined.
 pub fn resolve_any(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors> {
+    resolved(loaded, case, None)
+}
+
+fn resolved(
+    loaded: &LoadedScene,
+    case: &str,
+    points: Option<&super::PointTable>,
+) -> Result<Plan, SceneErrors> {
     let mut faults = Vec::new();
     let plan = Resolver {
         loaded,
+        points,
         faults: &mut faults,
     }
     .plan(case);
@@ -69,6 +94,8 @@ pub fn resolve_any(loaded: &LoadedScene, case: &str) -> Result<Plan, SceneErrors
 
 struct Resolver<'a> {
     loaded: &'a LoadedScene,
+    /// In place of a file of points.
+    points: Option<&'a super::PointTable>,
     faults: &'a mut Vec<Diagnostic>,
 }
 
@@ -118,6 +145,7 @@ impl Resolver<'_> {
             damage,
             fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
             gravity: scene.gravity.as_deref().map(flow::gravity),
+            own_effects: Vec::new(),
             cracks: fracture::cracks(scene, thickness),
             wells: flow::wells(scene, thickness),
             start: scene.start.as_deref().map(|start| self.start(start)),

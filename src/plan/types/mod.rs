@@ -21,6 +21,7 @@ pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
 
 use super::Load;
+use super::OwnEffect;
 use super::files::PointTable;
 use crate::geometry::generate::{Refinement, Segment};
 use crate::geometry::{Horizon, Influence, Shape};
@@ -59,6 +60,8 @@ pub struct Plan {
     pub fracture_flow: Option<FractureFlowPlan>,
     /// Gravity, if the scene names it.
     pub gravity: Option<GravityPlan>,
+    /// Effects that the program hands in; none in the plan of a scene.
+    pub own_effects: Vec<OwnEffect>,
     /// Cracks that are there from the start, in the scene's order.
     pub cracks: Vec<CrackPlan>,
     /// Wells, in the scene's order.
@@ -117,11 +120,11 @@ pub enum GeometryPlan {
         /// Where to refine.
         refinements: Vec<Refinement>,
     },
-    /// Points from a file.
+    /// Points from a file or from the program.
     Points {
-        /// The file, for messages.
+        /// The file, or another name for messages.
         path: String,
-        /// What it held.
+        /// The points.
         table: PointTable,
         /// Boundary planes, if given: smallest and largest corner, m.
         bounds: Option<(Vec<f64>, Vec<f64>)>,

@@ -44,7 +44,11 @@ impl Cracks {
             let rows = table.rows.iter().filter(|row| row[0] <= until);
             let time = rows.clone().next_back().map_or(f64::NAN, |row| row[0]);
             let rows: Vec<&Vec<f64>> = rows.filter(|row| row[0] >= time).collect();
-            let column = |place: usize| rows.iter().filter_map(|row| row.get(place).copied()).collect();
+            let column = |place: usize| {
+                rows.iter()
+                    .filter_map(|row| row.get(place).copied())
+                    .collect()
+            };
             *last = [column(1), column(2), column(4)];
         }
         Ok(())

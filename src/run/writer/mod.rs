@@ -16,7 +16,7 @@ use super::Summary;
 use super::fracture::{Fractures, Tracker};
 use super::rejections::Rejections;
 use crate::model::Model;
-use crate::output::{History, OutputError, Pvd, Table, write_json};
+use crate::output::{DRAWS, History, OutputError, Pvd, Table, write_json};
 use crate::plan::{Plan, TimeMode};
 use crate::report::Balance;
 use crate::schemes::{State, StepReport};
@@ -115,7 +115,7 @@ impl Writer {
         Ok(())
     }
 
-    /// Adds a row of history; of more than [`MOST_ROWS`] steps rows are left out evenly.
+    /// Adds a row of history; of more than `MOST_ROWS` steps rows are left out evenly.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -273,6 +273,13 @@ impl Writer {
         }
         write_json(self.folder.join("summary.json"), summary)
     }
+}
+
+/// A warning where pictures are wanted of a build that draws none.
+pub fn undrawn(plan: &Plan, writer: Option<&Writer>) -> Option<String> {
+    let wanted = plan.output.plots && writer.is_some_and(|writer| writer.leads);
+    (wanted && !DRAWS)
+        .then(|| "no pictures are drawn: perifrac was built without the feature `plots`".to_owned())
 }
 
 /// Name of the fields of one output, or of the piece of one process.

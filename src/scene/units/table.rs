@@ -133,7 +133,7 @@ pub(super) fn lookup(symbol: &str) -> Option<Unit> {
     })
 }
 
-/// Every unit symbol that [`super::parse`] accepts, with and without prefix.
+/// Every unit symbol that `parse` accepts, with and without prefix.
 pub fn known_symbols() -> Vec<String> {
     let whole = PLAIN
         .iter()

@@ -51,7 +51,8 @@ fn the_full_refill_gives_the_same_field_with_more_work() {
     let apart = apart(&full.displacement, &sparing.displacement);
     let largest = largest(&full.displacement);
     assert!(apart < 1e-5 * largest, "{apart} of {largest}");
-    assert!(2 * few < many, "{few} {many}");
+    // The first fill is of all families.
+    assert!(3 * few < 2 * many, "{few} {many}");
 }
 
 /// The exact tangent is the derivative of the force, hourglass energy in the driving one included.
