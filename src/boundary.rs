@@ -4,12 +4,12 @@ use crate::assembly::ScalarOperator;
 use crate::effects::Column;
 use crate::geometry::Side;
 use crate::load::Load;
-use crate::operators::{Extension, Parity};
+use crate::operators::{MirrorContinuation, Parity};
 use crate::plan::{Plan, SideCondition};
 
 /// One side and what a pressure on it does to the points near it.
 #[derive(Debug, Clone)]
-pub struct Wall {
+pub struct BoundaryPlane {
     /// The side.
     pub side: Side,
     /// Its pressure over time, Pa.
@@ -20,12 +20,12 @@ pub struct Wall {
     seepage: f64,
 }
 
-impl Wall {
+impl BoundaryPlane {
     /// Brings the response to a mobility (m²/(Pa s), shape `(n,)`); without gravity.
     pub fn follow<const D: usize>(
         &mut self,
         operator: &dyn ScalarOperator<D>,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         mobility: &[f64],
     ) {
         self.response = response(operator, extension, mobility, self.side);
@@ -80,7 +80,7 @@ impl Wall {
 /// Conductance between a side and each point it reaches, m^D/(Pa s).
 fn response<const D: usize>(
     operator: &dyn ScalarOperator<D>,
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
     mobility: &[f64],
     side: Side,
 ) -> Vec<(u32, f64)> {
@@ -97,10 +97,10 @@ fn response<const D: usize>(
 pub fn walls<const D: usize>(
     plan: &Plan,
     operator: &dyn ScalarOperator<D>,
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
     mobility: &[f64],
     column: Option<&Column<D>>,
-) -> Vec<Wall> {
+) -> Vec<BoundaryPlane> {
     let Some(flow) = &plan.flow else {
         return Vec::new();
     };
@@ -121,7 +121,7 @@ pub fn walls<const D: usize>(
             let SideCondition::Pressure { value, .. } = &flow.sides[side.index()] else {
                 return None;
             };
-            Some(Wall {
+            Some(BoundaryPlane {
                 side,
                 pressure: value.clone(),
                 response: response(operator, extension, mobility, side),

@@ -59,7 +59,7 @@ pub use problem::{Coordinates, NearNullspace, Problem, Symmetry};
 pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
 pub use report::{FactorPrediction, SolveReport, SolverCounters};
 pub use spec::{Demand, SolverSpec};
-pub use team::{Team, thread_team};
+pub use team::{Communicator, thread_team};
 
 /// A linear solver for one sparsity pattern at a time: analyse, refresh, solve.
 ///

@@ -6,13 +6,13 @@
 
 use std::sync::Arc;
 
-use crate::Team;
+use crate::Communicator;
 use crate::problem::Coordinates;
 
 /// Points dealt out to the processes of a team, in compact regions of equal size.
 #[derive(Debug, Clone)]
 pub struct Partition {
-    team: Arc<dyn Team>,
+    team: Arc<dyn Communicator>,
     /// All points, process after process, ascending within each.
     order: Vec<u32>,
     /// Start of each process in `order`, shape `(size + 1,)`.
@@ -23,7 +23,7 @@ impl Partition {
     /// Recursive coordinate bisection: halves the points across the longer extent, over and over.
     /// Every process computes the same result. Points of equal coordinates go by index.
     #[must_use]
-    pub fn bisection(team: Arc<dyn Team>, coordinates: &Coordinates<'_>) -> Self {
+    pub fn bisection(team: Arc<dyn Communicator>, coordinates: &Coordinates<'_>) -> Self {
         let points = coordinates.values.len() / coordinates.dimension.max(1);
         let mut order: Vec<u32> = (0..points as u32).collect();
         let mut starts = vec![0];
@@ -40,7 +40,7 @@ impl Partition {
 
     /// The processes.
     #[must_use]
-    pub fn team(&self) -> &Arc<dyn Team> {
+    pub fn team(&self) -> &Arc<dyn Communicator> {
         &self.team
     }
 

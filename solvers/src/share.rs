@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::matrix::ordered_norm;
-use crate::{Problem, SolveError, Team};
+use crate::{Communicator, Problem, SolveError};
 
 /// Rows of this process and the team that holds the others.
 #[derive(Debug, Clone, Default)]
@@ -15,7 +15,7 @@ pub(crate) struct Share(Option<Part>);
 
 #[derive(Debug, Clone)]
 struct Part {
-    team: Arc<dyn Team>,
+    team: Arc<dyn Communicator>,
     /// Whether each row is held here.
     rows: Vec<bool>,
 }

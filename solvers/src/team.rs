@@ -3,7 +3,7 @@
 use std::sync::{Arc, Barrier, Mutex, PoisonError};
 
 /// Processes that work on one run together.
-pub trait Team: Send + Sync + std::fmt::Debug {
+pub trait Communicator: Send + Sync + std::fmt::Debug {
     /// Number of this process, from 0.
     fn rank(&self) -> usize;
 
@@ -21,14 +21,14 @@ pub trait Team: Send + Sync + std::fmt::Debug {
 /// A team of threads of this process, one member for each: what runs over several processes can be
 /// tried without starting any. Every member must be given to a thread of its own.
 #[must_use]
-pub fn thread_team(size: usize) -> Vec<Arc<dyn Team>> {
+pub fn thread_team(size: usize) -> Vec<Arc<dyn Communicator>> {
     let shared = Arc::new(Shared {
         barrier: Barrier::new(size),
         board: Mutex::new(Vec::new()),
     });
     let member = |rank| {
         let shared = shared.clone();
-        Arc::new(Member { rank, size, shared }) as Arc<dyn Team>
+        Arc::new(Member { rank, size, shared }) as Arc<dyn Communicator>
     };
     (0..size).map(member).collect()
 }
@@ -64,7 +64,7 @@ impl Member {
     }
 }
 
-impl Team for Member {
+impl Communicator for Member {
     fn rank(&self) -> usize {
         self.rank
     }

@@ -6,8 +6,9 @@ use std::process::{Command, Output};
 use std::sync::Arc;
 
 use perifrac_solvers::{
-    Coordinates, CsrMatrix, NearNullspace, Partition, Problem, SolveError, SolverSpec, Symmetry,
-    Team, norm2, petsc_abort as abort, petsc_finish as finish, petsc_status, petsc_team,
+    Communicator, Coordinates, CsrMatrix, NearNullspace, Partition, Problem, SolveError,
+    SolverSpec, Symmetry, norm2, petsc_abort as abort, petsc_finish as finish, petsc_status,
+    petsc_team,
 };
 
 /// Set where PETSc and `mpirun` must be there; elsewhere this test is skipped.
@@ -154,7 +155,7 @@ fn reference(problem: &Problem<'_>, matrix: &CsrMatrix, rhs: &[f64]) -> Vec<f64>
 }
 
 /// Whether all processes have the same bits.
-fn is_the_same_everywhere(team: &dyn Team, values: &[f64]) -> bool {
+fn is_the_same_everywhere(team: &dyn Communicator, values: &[f64]) -> bool {
     let number = values.iter().fold(0_u64, |hash, value| {
         (hash ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3)
     });
@@ -167,7 +168,7 @@ fn is_the_same_everywhere(team: &dyn Team, values: &[f64]) -> bool {
         .all(|other| other.to_bits() == board[0].to_bits())
 }
 
-fn the_solution_is_that_of_one_process(team: &Arc<dyn Team>, case: Case, flags: &str) {
+fn the_solution_is_that_of_one_process(team: &Arc<dyn Communicator>, case: Case, flags: &str) {
     let (cloud, per_point) = (cloud(), case.per_point());
     let mut whole = case.matrix(&cloud);
     let problem = case.problem(&whole, &cloud);
@@ -204,7 +205,7 @@ fn the_solution_is_that_of_one_process(team: &Arc<dyn Team>, case: Case, flags: 
     }
 }
 
-fn an_error_of_one_process_is_that_of_all(team: &Arc<dyn Team>) {
+fn an_error_of_one_process_is_that_of_all(team: &Arc<dyn Communicator>) {
     let cloud = cloud();
     let whole = Case::Flow.matrix(&cloud);
     let problem = Case::Flow.problem(&whole, &cloud);
@@ -245,7 +246,7 @@ fn an_error_of_one_process_is_that_of_all(team: &Arc<dyn Team>) {
         .unwrap();
 }
 
-fn sums_are_taken_in_the_order_of_processes(team: &dyn Team) {
+fn sums_are_taken_in_the_order_of_processes(team: &dyn Communicator) {
     let rank = team.rank() as f64;
     let mut values = [rank + 0.1, 1e17 * (1.0 - 2.0 * (rank % 2.0)), f64::NAN];
     team.sum(&mut values);

@@ -107,7 +107,7 @@ struct Row<'a, const D: usize, M> {
 }
 
 /// How the row's point enters the family of `owner`.
-struct Share<const D: usize> {
+struct Subdomain<const D: usize> {
     owner: usize,
     /// Weight in the strain of the family.
     strain: Vector<D>,
@@ -134,7 +134,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
         }
         let sign = Vector::repeat(1.0);
         let drive = self.moduli.drive(point);
-        self.couple(&Share {
+        self.couple(&Subdomain {
             owner: point,
             strain,
             hourglass,
@@ -154,7 +154,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
         self.stretch(owner, bond, sign, own, sign);
         let first = elastic.around.families.family(owner).start;
         let drive = self.moduli.drive(owner);
-        self.couple(&Share {
+        self.couple(&Subdomain {
             owner,
             strain: elastic.gradient.weight[bond],
             hourglass: elastic.around.bond_vector(owner, bond) * own,
@@ -182,7 +182,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
     }
 
     /// Adds what couples the row's point to all points of one family.
-    fn couple(&mut self, share: &Share<D>) {
+    fn couple(&mut self, share: &Subdomain<D>) {
         let elastic = self.elastic;
         let families = &elastic.around.families;
         let stresses = self.moduli.stresses(share.owner, &share.strain);

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::geometry::Side;
-use crate::operators::{BondForm, Extension};
+use crate::operators::{BondForm, MirrorContinuation};
 
 /// Forces A_i d of the bonds of one family, written to `forces`.
 pub fn bond_force<const D: usize, F: BondForm<D>>(
@@ -41,7 +41,7 @@ pub fn bond_force<const D: usize, F: BondForm<D>>(
 /// `difference(owner, bond)` is the bond difference of the field, wall values included.
 pub fn force<const D: usize, F: BondForm<D>>(
     form: &F,
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
     mobility: &[f64],
     difference: &(dyn Fn(usize, usize) -> f64 + Sync),
 ) -> Vec<f64> {
@@ -74,7 +74,10 @@ pub fn force<const D: usize, F: BondForm<D>>(
 }
 
 /// Points of this process with bonds that leave through a side of prescribed value, in increasing order.
-pub fn outlets<const D: usize, F: BondForm<D>>(form: &F, extension: &Extension<D>) -> Vec<u32> {
+pub fn outlets<const D: usize, F: BondForm<D>>(
+    form: &F,
+    extension: &MirrorContinuation<D>,
+) -> Vec<u32> {
     let families = &form.neighbourhood().families;
     (0..families.len())
         .filter(|&owner| families.share.owns(owner))
@@ -92,7 +95,7 @@ pub fn outlets<const D: usize, F: BondForm<D>>(form: &F, extension: &Extension<D
 /// `owners` comes from [`outlets`]; a bond with force F whose end changes sign takes 2F out.
 pub fn outflow<const D: usize, F: BondForm<D>>(
     form: &F,
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
     owners: &[u32],
     mobility: &[f64],
     difference: &dyn Fn(usize, usize) -> f64,

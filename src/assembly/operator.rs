@@ -2,7 +2,7 @@
 
 use super::{Pattern, PatternError, Refill, force, scalar};
 use crate::geometry::Vector;
-use crate::operators::{BondForm, Extension, Neighbourhood};
+use crate::operators::{BondForm, MirrorContinuation, Neighbourhood};
 
 /// A scalar operator chosen at run time; every [`BondForm`] is one.
 pub trait ScalarOperator<const D: usize>: Send + Sync {
@@ -25,12 +25,12 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
     fn pattern(&self) -> Result<Pattern, PatternError>;
 
     /// What refills of this pattern share.
-    fn refill_plan(&self, extension: &Extension<D>, pattern: &Pattern) -> Refill;
+    fn refill_plan(&self, extension: &MirrorContinuation<D>, pattern: &Pattern) -> Refill;
 
     /// Values for the given mobility (shape `(n,)`), into `values` (shape `(nonzeros,)`).
     fn fill(
         &self,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         mobility: &[f64],
         pattern: &Pattern,
         plan: &Refill,
@@ -40,7 +40,7 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
     /// The operator applied to bond differences without a matrix, shape `(n,)`.
     fn force(
         &self,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         mobility: &[f64],
         difference: &(dyn Fn(usize, usize) -> f64 + Sync),
     ) -> Vec<f64>;
@@ -62,12 +62,12 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
     ) -> Vec<f64>;
 
     /// Points with bonds that leave through a side of prescribed value.
-    fn outlets(&self, extension: &Extension<D>) -> Vec<u32>;
+    fn outlets(&self, extension: &MirrorContinuation<D>) -> Vec<u32>;
 
     /// Rate of outflow through every side, shape `(2D,)`; `owners` comes from `outlets`.
     fn outflow(
         &self,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         owners: &[u32],
         mobility: &[f64],
         difference: &dyn Fn(usize, usize) -> f64,
@@ -97,13 +97,13 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         Pattern::new(self)
     }
 
-    fn refill_plan(&self, extension: &Extension<D>, pattern: &Pattern) -> Refill {
+    fn refill_plan(&self, extension: &MirrorContinuation<D>, pattern: &Pattern) -> Refill {
         Refill::new(self, extension, pattern)
     }
 
     fn fill(
         &self,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         mobility: &[f64],
         pattern: &Pattern,
         plan: &Refill,
@@ -114,7 +114,7 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
 
     fn force(
         &self,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         mobility: &[f64],
         difference: &(dyn Fn(usize, usize) -> f64 + Sync),
     ) -> Vec<f64> {
@@ -143,13 +143,13 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         forces
     }
 
-    fn outlets(&self, extension: &Extension<D>) -> Vec<u32> {
+    fn outlets(&self, extension: &MirrorContinuation<D>) -> Vec<u32> {
         force::outlets(self, extension)
     }
 
     fn outflow(
         &self,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         owners: &[u32],
         mobility: &[f64],
         difference: &dyn Fn(usize, usize) -> f64,

@@ -8,7 +8,7 @@ use std::cell::RefCell;
 
 use super::Pattern;
 use crate::geometry::Vector;
-use crate::operators::{BondForm, Coupling, Extension};
+use crate::operators::{BondForm, Coupling, MirrorContinuation};
 use crate::parallel::by_ranges;
 
 thread_local! {
@@ -55,7 +55,7 @@ impl Refill {
     /// Prepares refills of `pattern`.
     pub fn new<const D: usize, F: BondForm<D>>(
         form: &F,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         pattern: &Pattern,
     ) -> Self {
         let points = form.neighbourhood().len();
@@ -86,7 +86,7 @@ fn place(pattern: &Pattern, row: usize, column: usize) -> usize {
 impl OneHop {
     fn new<const D: usize, F: BondForm<D>>(
         form: &F,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         pattern: &Pattern,
     ) -> Self {
         let families = &form.neighbourhood().families;
@@ -204,7 +204,7 @@ pub(super) fn by_rows<T: Send>(
 /// matrix. Rows are summed in a fixed order, so the bits do not depend on the number of threads.
 pub fn fill<const D: usize, F: BondForm<D>>(
     form: &F,
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
     mobility: &[f64],
     pattern: &Pattern,
     plan: &Refill,
@@ -231,7 +231,7 @@ pub fn fill<const D: usize, F: BondForm<D>>(
 
 struct Row<'a, const D: usize, F> {
     form: &'a F,
-    extension: &'a Extension<D>,
+    extension: &'a MirrorContinuation<D>,
     mobility: &'a [f64],
     pattern: &'a Pattern,
     plan: &'a TwoHops,

@@ -10,7 +10,7 @@ use perifrac_solvers::dot;
 use super::consistency::{Planes, boundary_layer, natural_extension, surface_layer};
 use super::force::{bond_force, force};
 use crate::geometry::{Side, Voids};
-use crate::operators::{BondForm, Extension, Neighbourhood, Parity};
+use crate::operators::{BondForm, MirrorContinuation, Neighbourhood, Parity};
 
 /// Share of rᵀ φ by which a step must add to it for another one.
 const GROWTH: f64 = 0.01;
@@ -49,7 +49,7 @@ fn free_points<const D: usize>(around: &Neighbourhood<D>, one_sided: &[bool]) ->
 
 fn error_along<const D: usize, F: BondForm<D>>(
     form: &F,
-    natural: &Extension<D>,
+    natural: &MirrorContinuation<D>,
     axis: usize,
     free: &[bool],
 ) -> f64 {

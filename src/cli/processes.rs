@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use perifrac_solvers::{Team, petsc_abort, petsc_finish, petsc_team};
+use perifrac_solvers::{Communicator, petsc_abort, petsc_finish, petsc_team};
 
 use super::exit::Failure;
 
@@ -53,7 +53,7 @@ impl Processes {
     ///
     /// # Errors
     /// [`Failure::Usage`] without PETSc, or if its MPI is not that of the starter.
-    pub fn team(self) -> Result<Option<Arc<dyn Team>>, Failure> {
+    pub fn team(self) -> Result<Option<Arc<dyn Communicator>>, Failure> {
         if self.size == 1 {
             return Ok(None);
         }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use perifrac_solvers::{Interrupt, Team};
+use perifrac_solvers::{Communicator, Interrupt};
 
 use crate::output::OutputError;
 use crate::run::{Checkpoint, CheckpointRule, Job, Settings, Snapshot, Summary, Writer, run_job};
@@ -136,7 +136,7 @@ pub struct Desk<'a> {
     how: &'a How,
     /// Whether it goes on with what was begun.
     resumes: bool,
-    team: Option<Arc<dyn Team>>,
+    team: Option<Arc<dyn Communicator>>,
     interrupt: Interrupt,
     snapshot: Snapshot,
 }

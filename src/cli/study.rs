@@ -9,7 +9,7 @@ use clap::builder::PossibleValuesParser;
 use crate::output::{FolderLock, Manifest};
 use crate::run::Interrupt;
 use crate::run::Snapshot;
-use crate::study::{self, Campaign, Options, Row, Status, Subject, Variant, Watcher};
+use crate::study::{self, Campaign, Options, Row, Status, StudyCase, Variant, Watcher};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print, tell_of_kept};
@@ -158,9 +158,9 @@ fn scene_of(scene: &str, overrides: &[String]) -> SceneArgs {
 }
 
 /// The case of a study.
-pub(super) fn subject(scene: &str, overrides: &[String]) -> Result<Subject, Failure> {
+pub(super) fn subject(scene: &str, overrides: &[String]) -> Result<StudyCase, Failure> {
     let planned = scene_of(scene, overrides).plan()?;
-    Ok(Subject::new(
+    Ok(StudyCase::new(
         scene,
         &planned.loaded,
         planned.plan,
@@ -177,7 +177,7 @@ fn nothing(interrupt: &Interrupt) -> Failure {
     }
 }
 
-fn headlines(kind: &dyn study::Study, subject: &Subject, runs: &[study::Measured]) -> String {
+fn headlines(kind: &dyn study::Study, subject: &StudyCase, runs: &[study::Measured]) -> String {
     let lines = kind.findings(subject, runs).headlines;
     lines.iter().map(|line| format!("{line}\n")).collect()
 }

@@ -6,7 +6,7 @@
 
 use crate::geometry::Vector;
 use crate::material::eigen;
-use crate::operators::{Answer, Elastic};
+use crate::operators::{Elastic, Response};
 use crate::plan::ApertureRule;
 
 /// Cosine up to which a bond runs along the crack, and from which it counts in full as one across it.
@@ -22,7 +22,7 @@ const CROSSING: [f64; 2] = [0.25, 0.75];
 pub fn aperture<const D: usize>(
     rule: ApertureRule,
     elastic: &Elastic<D>,
-    answer: &Answer<D>,
+    response: &Response<D>,
     point: usize,
     difference: impl Fn(usize) -> Vector<D>,
     share: impl Fn(usize) -> f64,
@@ -39,7 +39,7 @@ pub fn aperture<const D: usize>(
             mean(all.filter(|(opening, _)| *opening >= 0.0))
         }
         ApertureRule::Normal => {
-            let (values, axes) = eigen(&answer.strain[point]);
+            let (values, axes) = eigen(&response.strain[point]);
             let normal: Vector<D> = axes.column(values.imax()).into_owned();
             let opening = |(bond, share): (usize, f64)| {
                 let direction = around.bond_vector(point, bond).normalize();

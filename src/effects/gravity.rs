@@ -7,7 +7,7 @@
 
 use super::{Context, Effect, EffectError, vector};
 use crate::geometry::{Cloud, Families, Side, Vector};
-use crate::operators::Extension;
+use crate::operators::MirrorContinuation;
 use crate::plan::{Plan, SideCondition};
 
 /// Weight of the fluid per volume and where hydrostatic side pressures have their datum.
@@ -69,7 +69,7 @@ impl<const D: usize> Column<D> {
         &self,
         cloud: &Cloud<D>,
         families: &Families<D>,
-        extension: &Extension<D>,
+        extension: &MirrorContinuation<D>,
         owner: usize,
         bond: usize,
     ) -> f64 {
@@ -82,7 +82,7 @@ impl<const D: usize> Column<D> {
     }
 
     /// What gravity adds to the value of the image of a point at `x`, less the weight there, Pa.
-    pub fn on_image(&self, extension: &Extension<D>, image: u8, x: &Vector<D>) -> f64 {
+    pub fn on_image(&self, extension: &MirrorContinuation<D>, image: u8, x: &Vector<D>) -> f64 {
         let foot = extension.foot(image, x);
         extension.offset(image, x, |side, x| self.on_wall(side, x)) - self.weight.dot(&foot)
     }

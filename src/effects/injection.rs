@@ -1,6 +1,6 @@
 //! Fluid that is pumped into a crack: spread over the points of the crack around a place.
 
-use super::spread::{Spread, planes_of_symmetry};
+use super::spread::{SourceDistribution, planes_of_symmetry};
 use super::{Context, Effect, EffectError, vector};
 use crate::geometry::Vector;
 use crate::operators::Neighbourhood;
@@ -43,7 +43,7 @@ fn pump<const D: usize>(
     crack: &CrackPlan,
     injection: &InjectionPlan,
     band: &[u32],
-) -> Result<Spread, EffectError> {
+) -> Result<SourceDistribution, EffectError> {
     let at = vector(&injection.at);
     let mut share = injection_shares(context.operator.neighbourhood(), &at, band);
     if share.is_empty() {
@@ -56,7 +56,7 @@ fn pump<const D: usize>(
     let planes = planes_of_symmetry(context, &at).into_iter();
     let inside = 0.5_f64.powi(planes.filter(|(_, gap)| *gap <= 0.0).count() as i32);
     share.iter_mut().for_each(|(_, share)| *share *= inside);
-    Ok(Spread {
+    Ok(SourceDistribution {
         name: "injection",
         rate: injection.rate.clone(),
         share,

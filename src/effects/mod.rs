@@ -25,7 +25,7 @@ pub use crate::plan::Effect;
 
 use crate::assembly::ScalarOperator;
 use crate::geometry::{Side, Vector};
-use crate::operators::{Extension, Parity};
+use crate::operators::{MirrorContinuation, Parity};
 use crate::plan::Plan;
 
 /// Everything effects may look at while they are built.
@@ -35,7 +35,7 @@ pub struct Context<'a, const D: usize> {
     /// The flow operator.
     pub operator: &'a dyn ScalarOperator<D>,
     /// Continuation of the pressure across the sides.
-    pub extension: &'a Extension<D>,
+    pub extension: &'a MirrorContinuation<D>,
     /// K/μ per point, m²/(Pa s).
     pub mobility: &'a [f64],
     /// Weight of the fluid, if gravity acts.
@@ -173,7 +173,7 @@ impl Counted {
 
 /// Sides whose parity is the given one.
 fn sides_with<const D: usize>(
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
     parity: Parity,
 ) -> impl Iterator<Item = Side> {
     let found: Vec<Side> = Side::all(D)

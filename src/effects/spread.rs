@@ -6,7 +6,7 @@ use crate::operators::Parity;
 use crate::plan::Load;
 
 /// Fluid that enters some points at a rate that may change over time.
-pub(super) struct Spread {
+pub(super) struct SourceDistribution {
     pub(super) name: &'static str,
     /// Full-plane rate, m^D/s.
     pub(super) rate: Load,
@@ -16,7 +16,7 @@ pub(super) struct Spread {
     pub(super) inside: f64,
 }
 
-impl Effect for Spread {
+impl Effect for SourceDistribution {
     fn name(&self) -> &'static str {
         self.name
     }

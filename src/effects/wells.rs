@@ -5,7 +5,7 @@
 //! therefore feeds a quarter of its rate into it, on a side a half. Where a well's support reaches
 //! across a sealed plane it does not stand on, its mirror well feeds back what is lost.
 
-use super::spread::{Spread, planes_of_symmetry};
+use super::spread::{SourceDistribution, planes_of_symmetry};
 use super::{Context, Effect, EffectError, vector};
 use crate::geometry::Vector;
 use crate::operators::Neighbourhood;
@@ -50,7 +50,7 @@ fn spread<const D: usize>(
     context: &Context<'_, D>,
     well: &WellPlan,
     radius: f64,
-) -> Result<Spread, EffectError> {
+) -> Result<SourceDistribution, EffectError> {
     let cloud = &context.operator.neighbourhood().cloud;
     let images = well_images(context, &vector(&well.at), radius);
     let mut share = Vec::new();
@@ -71,7 +71,7 @@ fn spread<const D: usize>(
     }
     let inside = images.inside;
     share.iter_mut().for_each(|(_, s)| *s *= inside / sum);
-    Ok(Spread {
+    Ok(SourceDistribution {
         name: "wells",
         rate: well.rate.clone(),
         share,

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::cell_list::CellList;
 use super::near::Near;
-use super::{Cloud, Cutter, GeometryError, ImageTable, Share, Vector};
+use super::{Cloud, Cutter, GeometryError, ImageTable, Subdomain, Vector};
 use perifrac_solvers::Partition;
 
 /// The cloud together with its mirror images within reach, ready for radius searches.
@@ -73,7 +73,7 @@ pub struct Families<const D: usize> {
     /// The images that bonds refer to.
     pub images: ImageTable<D>,
     /// The part of the bonds that is held here.
-    pub share: Share,
+    pub share: Subdomain,
     /// Bonds that cracks have cut, by owner; they are none any more. `None` without cracks.
     pub severed: Option<Vec<Severed>>,
     offset: Vec<u32>,
@@ -129,7 +129,7 @@ impl<const D: usize> Families<D> {
         let (world, share) = match partition {
             None => (
                 World::new(cloud, &images, reach, typical, None),
-                Share::WHOLE,
+                Subdomain::WHOLE,
             ),
             Some(partition) => {
                 let own = partition.own().iter().map(|point| *point as usize);
@@ -139,7 +139,7 @@ impl<const D: usize> Families<D> {
                 let near = Near::new(&positions, 2.0 * reach);
                 let world = World::new(cloud, &images, reach, typical, Some(&near));
                 let held = held_families(cloud, &world, &near, &horizon, &partition, watched);
-                (world, Share::of(partition, held))
+                (world, Subdomain::of(partition, held))
             }
         };
         let chunks: Vec<Chunk> = (0..cloud.len().div_ceil(CHUNK))
@@ -156,7 +156,7 @@ impl<const D: usize> Families<D> {
     fn from_chunks(
         horizon: Vec<f64>,
         images: ImageTable<D>,
-        share: Share,
+        share: Subdomain,
         chunks: Vec<Chunk>,
     ) -> Result<Self, GeometryError> {
         let bonds: usize = chunks.iter().map(|(_, bonds)| bonds.len()).sum();
@@ -354,7 +354,7 @@ fn family_chunk<const D: usize>(
     cloud: &Cloud<D>,
     world: &World<D>,
     horizon: &[f64],
-    share: &Share,
+    share: &Subdomain,
     points: std::ops::Range<usize>,
 ) -> Chunk {
     let mut counts = Vec::with_capacity(points.len());

@@ -30,7 +30,7 @@ pub use influence::Influence;
 pub use locator::{Locator, Place, neighbour_distances};
 pub use sampler::Sampler;
 pub use shape::Shape;
-pub use share::Share;
+pub use share::Subdomain;
 pub use side::Side;
 pub use stencil::{Stencil, Stencils, Term, sources};
 pub use voids::Voids;

@@ -2,7 +2,7 @@
 //!
 //! Points and fields are known everywhere. A process owns the rows of its points; for them it holds
 //! the families of these points and of all points that see them. What it sums over bonds is right at
-//! its own points, and [`Share::complete`] brings the parts of all processes together.
+//! its own points, and [`Subdomain::complete`] brings the parts of all processes together.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use perifrac_solvers::Partition;
 
 /// Rows and families of this process. By default it has all of them.
 #[derive(Debug, Clone, Default)]
-pub struct Share {
+pub struct Subdomain {
     several: Option<Arc<Several>>,
 }
 
@@ -22,11 +22,11 @@ struct Several {
     held: Vec<bool>,
 }
 
-impl Share {
+impl Subdomain {
     /// Everything, in a single process.
-    pub const WHOLE: Self = Share { several: None };
+    pub const WHOLE: Self = Subdomain { several: None };
 
-    /// Share of this process in `partition`, which holds the families marked in `held`.
+    /// Subdomain of this process in `partition`, which holds the families marked in `held`.
     pub fn of(partition: Partition, held: Vec<bool>) -> Self {
         let own = partition.mask();
         let several = Several {
@@ -34,7 +34,7 @@ impl Share {
             own,
             held,
         };
-        Share {
+        Subdomain {
             several: Some(Arc::new(several)),
         }
     }

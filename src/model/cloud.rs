@@ -6,7 +6,7 @@ use crate::geometry::{
     Cloud, Crack, Cutter, Domain, Families, Vector, horizons, horizons_in_parts,
 };
 use crate::plan::{CrackKind, CrackPlan, GeometryPlan, Plan, PointTable};
-use perifrac_solvers::{Coordinates, Partition, Team};
+use perifrac_solvers::{Communicator, Coordinates, Partition};
 use std::sync::Arc;
 
 use super::ModelError;
@@ -89,7 +89,7 @@ fn generate<const D: usize>(plan: &Plan) -> Result<(Cloud<D>, Option<&PointTable
 pub fn build_families<const D: usize>(
     plan: &Plan,
     cloud: &Cloud<D>,
-    team: Option<&Arc<dyn Team>>,
+    team: Option<&Arc<dyn Communicator>>,
     watched: &[usize],
 ) -> Result<Families<D>, ModelError> {
     let Some(team) = team else {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::boundary::Wall;
+use crate::boundary::BoundaryPlane;
 
 /// Properties of rock and fluid at every point, as the damage and the openings of a state have them
 /// (Eqs. 40 to 46). All shapes `(n,)`.
@@ -27,7 +27,7 @@ pub struct Coefficients {
     conductance: Vec<f64>,
     /// Sides of prescribed pressure at the mobility.
     #[serde(skip)]
-    walls: Vec<Wall>,
+    walls: Vec<BoundaryPlane>,
 }
 
 impl PartialEq for Coefficients {

@@ -60,7 +60,7 @@ impl Coupling {
     }
 
     /// Adds Qᵀ p to `force`, shape `(n·D,)`, N.
-    pub fn add_push<const D: usize>(
+    pub fn add_pressure_force<const D: usize>(
         &self,
         solid: &SolidModel<D>,
         pressure: &[f64],
@@ -125,14 +125,14 @@ impl<const D: usize> Model<D> {
     }
 
     /// Forces on the solid from loads at `time` and from the pressure, shape `(n·D,)`, N.
-    pub fn push(&self, time: f64, pressure: &[f64]) -> Vec<f64> {
+    pub fn external_force(&self, time: f64, pressure: &[f64]) -> Vec<f64> {
         let Some(solid) = &self.solid else {
             return Vec::new();
         };
         let mut force = vec![0.0; solid.unknowns()];
         solid.loads(time, &mut force);
         if let Some(coupling) = &self.coupling {
-            coupling.add_push(solid, pressure, &mut force);
+            coupling.add_pressure_force(solid, pressure, &mut force);
         }
         force
     }
@@ -149,7 +149,7 @@ impl<const D: usize> Model<D> {
         solid.loads(time, &mut loads);
         let mut push = vec![0.0; solid.unknowns()];
         if let Some(coupling) = &self.coupling {
-            coupling.add_push(solid, pressure, &mut push);
+            coupling.add_pressure_force(solid, pressure, &mut push);
         }
         let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
         let at_wall = |(wall, place): (&MovingWall, &f64)| -> f64 {
@@ -176,10 +176,10 @@ impl<const D: usize> Model<D> {
         let External { loads, push, scale } = self.external(solid, time, pressure, walls);
         let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
-        if let Some(answer) = solid.answer(displacement, walls, history) {
-            solid.subtract_answer(&answer, &mut force);
-            let held = solid.wall_forces(&answer);
-            let elastic = answer.energy(&answer.hourglass);
+        if let Some(response) = solid.response(displacement, walls, history) {
+            solid.subtract_internal_force(&response, &mut force);
+            let held = solid.wall_forces(&response);
+            let elastic = response.energy(&response.hourglass);
             let energy = elastic + self.stored_energy(pressure);
             return Some(Audit {
                 unbalanced: size(&force),

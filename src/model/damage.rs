@@ -3,7 +3,7 @@
 use crate::effects::tensor;
 use crate::geometry::Matrix;
 use crate::material::DamageLaw;
-use crate::operators::{Answer, Damage, Elastic};
+use crate::operators::{Damage, Elastic, Response};
 use crate::plan::{MechanicsPlan, Plan};
 
 use super::bands::Bands;
@@ -47,17 +47,17 @@ pub(super) fn build<const D: usize>(
 }
 
 impl<const D: usize> SolidModel<D> {
-    /// Answer of a solid with damage to a displacement after `history`, J/m³; `None` without damage.
-    pub fn answer(
+    /// Response of a solid with damage to a displacement after `history`, J/m³; `None` without damage.
+    pub fn response(
         &self,
         displacement: &[f64],
         walls: &[f64],
         history: &[f64],
-    ) -> Option<Answer<D>> {
+    ) -> Option<Response<D>> {
         let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
         let damage = self.damage.as_ref()?;
-        let answer = || damage.answer(&self.elastic, history, difference);
-        Some(self.timers.time("laws", answer))
+        let response = || damage.response(&self.elastic, history, difference);
+        Some(self.timers.time("laws", response))
     }
 
     /// Takes the internal force off `force`, shape `(n·D,)`, N, with damage after `history` if there is
@@ -69,27 +69,27 @@ impl<const D: usize> SolidModel<D> {
         history: &[f64],
         force: &mut [f64],
     ) {
-        match self.answer(displacement, walls, history) {
-            Some(answer) => self.subtract_answer(&answer, force),
+        match self.response(displacement, walls, history) {
+            Some(response) => self.subtract_internal_force(&response, force),
             None => self.subtract_internal(displacement, walls, force),
         }
     }
 
-    /// Takes the internal force of an answer off `force`, shape `(n·D,)`, N.
-    pub fn subtract_answer(&self, answer: &Answer<D>, force: &mut [f64]) {
-        let internal = self.elastic.gather(&answer.forces);
+    /// Takes the internal force of a response off `force`, shape `(n·D,)`, N.
+    pub fn subtract_internal_force(&self, response: &Response<D>, force: &mut [f64]) {
+        let internal = self.elastic.gather(&response.forces);
         force
             .iter_mut()
             .zip(&internal)
             .for_each(|(f, own)| *f -= own);
     }
 
-    /// Force that holds each wall where it is, N, by an answer.
-    pub fn wall_forces(&self, answer: &Answer<D>) -> Vec<f64> {
+    /// Force that holds each wall where it is, N, by a response.
+    pub fn wall_forces(&self, response: &Response<D>) -> Vec<f64> {
         let force = |wall: &MovingWall| -> f64 {
             let bonds = wall.bonds.iter();
             bonds
-                .map(|&(bond, offset)| offset * answer.forces[bond as usize][wall.component])
+                .map(|&(bond, offset)| offset * response.forces[bond as usize][wall.component])
                 .sum()
         };
         self.walls.iter().map(force).collect()

@@ -80,7 +80,7 @@ impl<const D: usize> FlowModel<D> {
             let grown = |point: usize| beside[point] || near(point, &|other| beside[other]);
             beside = all.clone().into_par_iter().map(grown).collect();
         }
-        let own = all.filter(|point| beside[*point] && self.share().owns(*point));
+        let own = all.filter(|point| beside[*point] && self.subdomain().owns(*point));
         own.map(|point| point as u32).collect()
     }
 

@@ -7,10 +7,10 @@ use perifrac_solvers::CsrView;
 use rayon::prelude::*;
 
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
-use crate::boundary::{self, Wall};
+use crate::boundary::{self, BoundaryPlane};
 use crate::effects::{self, Column, Context, Counted};
-use crate::geometry::{Cloud, Families, Share, Side, Term, Vector};
-use crate::operators::{Extension, Neighbourhood, Parity};
+use crate::geometry::{Cloud, Families, Side, Subdomain, Term, Vector};
+use crate::operators::{MirrorContinuation, Neighbourhood, Parity};
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::{Flows, Timers};
@@ -38,7 +38,7 @@ pub struct FlowModel<const D: usize> {
     /// The diffusion operator.
     pub operator: Arc<dyn ScalarOperator<D>>,
     /// Continuation of the pressure across the sides.
-    pub extension: Extension<D>,
+    pub extension: MirrorContinuation<D>,
     /// Sparsity of L.
     pub pattern: Arc<Pattern>,
     /// Values of L, shape `(nonzeros,)`, m^D/(Pa s).
@@ -60,7 +60,7 @@ pub struct FlowModel<const D: usize> {
     /// Initial pressure, shape `(n,)`, Pa.
     pub initial: Vec<f64>,
     /// Sides of prescribed pressure.
-    pub walls: Vec<Wall>,
+    pub walls: Vec<BoundaryPlane>,
     /// Where the time of the run goes.
     pub timers: Timers,
     column: Option<Column<D>>,
@@ -81,7 +81,7 @@ impl<const D: usize> FlowModel<D> {
         let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
         let one_sided: Vec<bool> = parity.iter().map(|p| *p == Parity::OneSided).collect();
         let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
-        let extension = Extension::new(&families.images, &parity, &planes);
+        let extension = MirrorContinuation::new(&families.images, &parity, &planes);
         let families = match one_sided.iter().any(|&o| o) {
             true => families.retain_images(|image| extension.keeps(image))?,
             false => families,
@@ -251,11 +251,11 @@ impl<const D: usize> FlowModel<D> {
             .for_each(|(row, result)| {
                 *result -= exchange(pattern, conductance, pressure, row);
             });
-        self.share().complete(result, 1);
+        self.subdomain().complete(result, 1);
     }
 
     /// The rows that are stored here.
-    pub fn share(&self) -> &Share {
+    pub fn subdomain(&self) -> &Subdomain {
         &self.operator.neighbourhood().families.share
     }
 
@@ -276,7 +276,7 @@ impl<const D: usize> FlowModel<D> {
             .enumerate()
             .with_min_len(1024)
             .for_each(|(row, result)| *result -= exchange(pattern, values, pressure, row));
-        self.share().complete(result, 1);
+        self.subdomain().complete(result, 1);
     }
 
     /// Rates at which the boundary and the sources move fluid in the state `pressure` at `time`;
@@ -438,7 +438,7 @@ impl<const D: usize> FlowModel<D> {
             .iter()
             .map(|effect| effect.effect().bytes())
             .sum();
-        let walls: usize = self.walls.iter().map(Wall::bytes).sum();
+        let walls: usize = self.walls.iter().map(BoundaryPlane::bytes).sum();
         vec![
             ("bonds", self.operator.neighbourhood().bytes()),
             ("operator", self.operator.bytes()),

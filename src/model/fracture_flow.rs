@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Coupling, FlowModel, Model, SolidModel};
 use crate::effects::aperture;
-use crate::operators::Answer;
+use crate::operators::Response;
 use crate::plan::{FractureFlowPlan, Plan, TransmissivityRule};
 
 /// Properties of the intact rock, and how they change with damage.
@@ -88,12 +88,12 @@ impl FractureFlow {
     fn open<const D: usize>(
         &mut self,
         solid: &SolidModel<D>,
-        answer: &Answer<D>,
+        response: &Response<D>,
         displacement: &[f64],
         walls: &[f64],
     ) {
         let this = &*self;
-        let share = |i: usize| this.share(answer.damage[i]);
+        let share = |i: usize| this.share(response.damage[i]);
         let broken = |i: usize| share(i) > 0.0;
         let at = |i: usize| match broken(i) {
             false => 0.0,
@@ -102,14 +102,14 @@ impl FractureFlow {
                 aperture(
                     this.plan.aperture,
                     &solid.elastic,
-                    answer,
+                    response,
                     i,
                     difference,
                     share,
                 )
             }
         };
-        let openings: Vec<f64> = (0..answer.damage.len()).into_par_iter().map(at).collect();
+        let openings: Vec<f64> = (0..response.damage.len()).into_par_iter().map(at).collect();
         let evaluated = (0..openings.len()).filter(|i| broken(*i)).count();
         self.evaluations
             .fetch_add(evaluated as u64, Ordering::Relaxed);
@@ -120,12 +120,17 @@ impl FractureFlow {
 impl<const D: usize> Model<D> {
     /// Brings permeability, storage and Biot's coefficient to the damage and the openings of a state,
     /// and fills L anew; nothing without flow in fractures.
-    pub fn follow_fractures(&mut self, answer: &Answer<D>, displacement: &[f64], walls: &[f64]) {
+    pub fn follow_fractures(
+        &mut self,
+        response: &Response<D>,
+        displacement: &[f64],
+        walls: &[f64],
+    ) {
         let timers = self.timers.clone();
-        timers.time("flow", || self.mix_fractures(answer, displacement, walls));
+        timers.time("flow", || self.mix_fractures(response, displacement, walls));
     }
 
-    fn mix_fractures(&mut self, answer: &Answer<D>, displacement: &[f64], walls: &[f64]) {
+    fn mix_fractures(&mut self, response: &Response<D>, displacement: &[f64], walls: &[f64]) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),
@@ -138,11 +143,11 @@ impl<const D: usize> Model<D> {
         else {
             return;
         };
-        fracture.open(solid, answer, displacement, walls);
+        fracture.open(solid, response, displacement, walls);
         let horizon = &solid.elastic.around.families.horizon;
         let viscosity = fracture.plan.viscosity.unwrap_or(fracture.viscosity);
         for i in 0..flow.points() {
-            let open = fracture.share(answer.damage[i]);
+            let open = fracture.share(response.damage[i]);
             let mix = |rock: f64, crack: f64| rock + open * (crack - rock);
             let (rock, volume) = (fracture.permeability[i], cloud.volume[i]);
             let crack = fracture.crack(fracture.aperture[i], horizon[i], rock);

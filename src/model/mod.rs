@@ -23,7 +23,7 @@ mod stabilisation;
 
 use std::sync::Arc;
 
-use perifrac_solvers::Team;
+use perifrac_solvers::Communicator;
 
 pub use bands::Bands;
 pub use cloud::{build_cloud, build_families};
@@ -39,7 +39,7 @@ pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sam
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
 use crate::effects::injection_shares;
-use crate::geometry::{Cloud, Families, Share, Vector, horizons};
+use crate::geometry::{Cloud, Families, Subdomain, Vector, horizons};
 use crate::plan::{CrackPlan, Plan, damage_width, manufactured, width_warning};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
@@ -119,7 +119,7 @@ impl<const D: usize> Model<D> {
     /// As [`Model::build`].
     pub fn build_with(
         plan: &Plan,
-        team: Option<&Arc<dyn Team>>,
+        team: Option<&Arc<dyn Communicator>>,
         timers: &mut Timers,
     ) -> Result<Self, ModelError> {
         if plan.flow.is_none() && plan.mechanics.is_none() {
@@ -193,11 +193,11 @@ impl<const D: usize> Model<D> {
     }
 
     /// The rows and families that are stored here.
-    pub fn share(&self) -> &Share {
+    pub fn subdomain(&self) -> &Subdomain {
         match (&self.flow, &self.solid) {
-            (Some(flow), _) => flow.share(),
-            (None, Some(solid)) => solid.share(),
-            (None, None) => &Share::WHOLE,
+            (Some(flow), _) => flow.subdomain(),
+            (None, Some(solid)) => solid.subdomain(),
+            (None, None) => &Subdomain::WHOLE,
         }
     }
 

@@ -14,7 +14,7 @@ impl<const D: usize> SolidModel<D> {
     /// the loads.
     pub fn rounding(&self, displacement: &[f64], walls: &[f64]) -> f64 {
         let mut size = [magnitude(self.matrix(), displacement)];
-        self.share().sum(&mut size);
+        self.subdomain().sum(&mut size);
         for (wall, place) in self.walls.iter().zip(walls) {
             let response = wall.response.iter();
             size[0] += response.map(|(_, r)| (r * place).abs()).sum::<f64>();

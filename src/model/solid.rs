@@ -15,11 +15,11 @@ use crate::assembly::{
 };
 use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{
-    Cloud, Families, Matrix, Place, Share, Side, Stencil, Term, Vector, sources,
+    Cloud, Families, Matrix, Place, Side, Stencil, Subdomain, Term, Vector, sources,
 };
 use crate::load::Load;
 use crate::operators::{
-    Damage, Divergence, Elastic, Extension, Neighbourhood, Parity, point_value,
+    Damage, Divergence, Elastic, MirrorContinuation, Neighbourhood, Parity, point_value,
 };
 use crate::plan::{MechanicsPlan, Plan, Support};
 use crate::report::Timers;
@@ -90,12 +90,12 @@ impl<const D: usize> SolidModel<D> {
         warnings: &mut Vec<String>,
     ) -> Result<Self, ModelError> {
         let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
-        let extension: Vec<Extension<D>> = (0..D)
+        let extension: Vec<MirrorContinuation<D>> = (0..D)
             .map(|component| {
                 let parity: Vec<Parity> = Side::all(D)
                     .map(|side| parity(&mechanics.sides[side.index()], side, component))
                     .collect();
-                Extension::new(&families.images, &parity, &planes)
+                MirrorContinuation::new(&families.images, &parity, &planes)
             })
             .collect();
         let families = families.retain_images(|image| extension[0].keeps(image))?;
@@ -230,7 +230,7 @@ impl<const D: usize> SolidModel<D> {
     }
 
     /// The rows that are stored here.
-    pub fn share(&self) -> &Share {
+    pub fn subdomain(&self) -> &Subdomain {
         &self.elastic.around.families.share
     }
 
@@ -260,7 +260,7 @@ impl<const D: usize> SolidModel<D> {
     pub fn subtract_internal(&self, displacement: &[f64], walls: &[f64], force: &mut [f64]) {
         let mut product = vec![0.0; displacement.len()];
         multiply(self.matrix(), displacement, &mut product);
-        self.share().complete(&mut product, D);
+        self.subdomain().complete(&mut product, D);
         force.iter_mut().zip(&product).for_each(|(f, p)| *f -= p);
         for (wall, &place) in self.walls.iter().zip(walls) {
             for &(unknown, response) in &wall.response {

@@ -12,14 +12,14 @@ use std::sync::Arc;
 
 use crate::assembly::{Pattern, Refill, ScalarOperator};
 use crate::geometry::Side;
-use crate::operators::{Extension, Gradient, Hourglass, Neighbourhood, Parity};
+use crate::operators::{Gradient, Hourglass, MirrorContinuation, Neighbourhood, Parity};
 
 use super::{Coupling, ModelError};
 
 /// The stabilising form and the continuation it uses.
 pub(super) struct Stabilisation<const D: usize> {
     form: Hourglass<D>,
-    extension: Extension<D>,
+    extension: MirrorContinuation<D>,
 }
 
 impl<const D: usize> Stabilisation<D> {
@@ -35,7 +35,11 @@ impl<const D: usize> Stabilisation<D> {
         let gradient = Arc::new(Gradient::plain(&around));
         let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
         Stabilisation {
-            extension: Extension::new(&around.families.images, &[Parity::Even; 6], &planes),
+            extension: MirrorContinuation::new(
+                &around.families.images,
+                &[Parity::Even; 6],
+                &planes,
+            ),
             form: Hourglass::weighted(around, gradient, factor),
         }
     }

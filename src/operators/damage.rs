@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Elastic;
 use crate::geometry::{Matrix, Vector};
-use crate::material::{DamageLaw, HourglassRule, PointAnswer, Softening, Tangent};
+use crate::material::{DamageLaw, HourglassRule, PointResponse, Tangent, TangentKind};
 use crate::parallel::by_ranges;
 
 /// Damage at all points.
@@ -21,9 +21,9 @@ pub struct Damage<const D: usize> {
     evaluations: AtomicU64,
 }
 
-/// What a damaged solid answers to a displacement.
+/// How a damaged solid responds to a displacement.
 #[derive(Debug, Clone)]
-pub struct Answer<const D: usize> {
+pub struct Response<const D: usize> {
     /// Forces on the ends of all bonds, N, shape `(bonds,)`.
     pub forces: Vec<Vector<D>>,
     /// Strain per point, shape `(n,)`.
@@ -35,24 +35,24 @@ pub struct Answer<const D: usize> {
     /// Share of the hourglass stiffness that is left per family, shape `(n,)`.
     pub hourglass: Vec<f64>,
     /// Hourglass energy per family that drives no damage, J, shape `(n,)`.
-    pub rough: Vec<f64>,
-    /// Energy of strain and what damage took, without what is in `rough`, J (per metre of thickness in
+    pub hourglass_energy: Vec<f64>,
+    /// Energy of strain and what damage took, without what is in `hourglass_energy`, J (per metre of thickness in
     /// 2-D).
     pub bulk: f64,
 }
 
-impl<const D: usize> Answer<D> {
+impl<const D: usize> Response<D> {
     /// Energy with the given shares of the hourglass term left (shape `(n,)`), J.
     ///
     /// Where Eq. 53 weakens that term without being driven by its energy, the force is the derivative of
     /// this energy at fixed shares only.
     pub fn energy(&self, hourglass: &[f64]) -> f64 {
-        let rough = self
-            .rough
+        let hourglass_energy = self
+            .hourglass_energy
             .iter()
             .zip(hourglass)
-            .map(|(rough, left)| left * rough);
-        self.bulk + rough.sum::<f64>()
+            .map(|(hourglass_energy, left)| left * hourglass_energy);
+        self.bulk + hourglass_energy.sum::<f64>()
     }
 }
 
@@ -67,85 +67,85 @@ impl<const D: usize> Damage<D> {
         }
     }
 
-    /// Answer of one point with the hourglass energy `rough` of its family, J.
+    /// Response of one point with the hourglass energy of its family, J.
     pub fn at(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
         owner: usize,
         strain: &Matrix<D>,
-        rough: f64,
-    ) -> PointAnswer<D> {
+        hourglass_energy: f64,
+    ) -> PointResponse<D> {
         let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
-        let rough = rough / elastic.around.cloud.volume[owner];
+        let hourglass_energy = hourglass_energy / elastic.around.cloud.volume[owner];
         self.law
-            .answer(lame, toughness, history[owner], strain, rough)
+            .response(lame, toughness, history[owner], strain, hourglass_energy)
     }
 
-    /// Answer to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
-    pub fn answer(
+    /// Response to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
+    pub fn response(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
-    ) -> Answer<D> {
+    ) -> Response<D> {
         let families = &elastic.around.families;
         let mut forces = vec![Vector::zeros(); families.bonds()];
         let points = by_ranges(families.offsets(), &mut forces, |owner, forces| {
             let mut seen = None;
             let difference = |bond| difference(owner, bond);
-            let answer = |strain: &Matrix<D>, rough: f64| {
-                let point = self.at(elastic, history, owner, strain, rough);
+            let response = |strain: &Matrix<D>, hourglass_energy: f64| {
+                let point = self.at(elastic, history, owner, strain, hourglass_energy);
                 seen = Some((*strain, point));
                 (point.stress, self.law.hourglass(point.damage))
             };
-            let rough = elastic.family_answer(owner, difference, answer, forces);
-            (seen, rough)
+            let hourglass_energy = elastic.family_response(owner, difference, response, forces);
+            (seen, hourglass_energy)
         });
-        let mut answer = Answer {
+        let mut response = Response {
             forces,
             strain: Vec::with_capacity(points.len()),
             driving: Vec::with_capacity(points.len()),
             damage: Vec::with_capacity(points.len()),
             hourglass: Vec::with_capacity(points.len()),
-            rough: Vec::with_capacity(points.len()),
+            hourglass_energy: Vec::with_capacity(points.len()),
             bulk: 0.0,
         };
         let mut evaluated = 0;
-        for (owner, (seen, rough)) in points.into_iter().enumerate() {
+        for (owner, (seen, hourglass_energy)) in points.into_iter().enumerate() {
             let Some((strain, point)) = seen else {
                 continue;
             };
             evaluated += 1;
             let volume = elastic.around.cloud.volume[owner];
-            answer.bulk += volume * point.energy;
-            answer.hourglass.push(self.law.hourglass(point.damage));
-            answer.rough.push(match self.law.hourglass {
+            response.bulk += volume * point.energy;
+            response.hourglass.push(self.law.hourglass(point.damage));
+            response.hourglass_energy.push(match self.law.hourglass {
                 HourglassRule::Variational => 0.0,
-                HourglassRule::Linear => rough,
+                HourglassRule::Linear => hourglass_energy,
             });
-            answer.strain.push(strain);
-            answer.driving.push(point.driving);
-            answer.damage.push(point.damage);
+            response.strain.push(strain);
+            response.driving.push(point.driving);
+            response.damage.push(point.damage);
         }
         self.evaluations.fetch_add(evaluated, Ordering::Relaxed);
-        answer
+        response
     }
 
-    /// Tangents at an answer.
+    /// Tangents at a response.
     pub fn tangents(
         &self,
         elastic: &Elastic<D>,
         history: &[f64],
-        answer: &Answer<D>,
-        softening: Softening,
+        response: &Response<D>,
+        softening: TangentKind,
     ) -> Vec<Tangent<D>> {
         let at = |(owner, strain): (usize, &Matrix<D>)| {
             let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
-            let seen = (history[owner], answer.driving[owner]);
+            let seen = (history[owner], response.driving[owner]);
             self.law.tangent(lame, toughness, seen, strain, softening)
         };
-        answer.strain.par_iter().enumerate().map(at).collect()
+        response.strain.par_iter().enumerate().map(at).collect()
     }
 
     /// Derivative of the driving energy of a family, J, by its bond differences, m, into `drive`, which
@@ -153,25 +153,28 @@ impl<const D: usize> Damage<D> {
     pub fn drive(
         &self,
         elastic: &Elastic<D>,
-        answer: &Answer<D>,
+        response: &Response<D>,
         owner: usize,
         drive: &mut [Vector<D>],
     ) {
-        let parts = self.law.parts(elastic.lame[owner], &answer.strain[owner]);
+        let parts = self.law.parts(elastic.lame[owner], &response.strain[owner]);
         let volume = elastic.around.cloud.volume[owner];
-        let (breaking, lasting) = (parts.breaking * volume, parts.lasting * volume);
-        let left = self.law.degradation(answer.damage[owner]);
+        let (degraded_stress, intact_stress) =
+            (parts.degraded_stress * volume, parts.intact_stress * volume);
+        let left = self.law.degradation(response.damage[owner]);
         let family = elastic.around.families.family(owner);
         for (bond, drive) in family.zip(drive) {
             let weight = &elastic.gradient.weight[bond];
             *drive = match self.law.hourglass {
-                HourglassRule::Variational => (answer.forces[bond] - lasting * weight) / left,
-                HourglassRule::Linear => breaking * weight,
+                HourglassRule::Variational => {
+                    (response.forces[bond] - intact_stress * weight) / left
+                }
+                HourglassRule::Linear => degraded_stress * weight,
             };
         }
     }
 
-    /// Raises `history` (J/m³, shape `(n,)`) to what an answer drove.
+    /// Raises `history` (J/m³, shape `(n,)`) to what a response drove.
     pub fn advance(&self, driving: &[f64], history: &mut [f64]) {
         for (history, driving) in history.iter_mut().zip(driving) {
             *history = history.max(*driving);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Extension, Gradient, Neighbourhood};
+use super::{Gradient, MirrorContinuation, Neighbourhood};
 use crate::geometry::{Matrix, Vector};
 use crate::material::Lame;
 use crate::parallel::{TASK, by_ranges};
@@ -25,7 +25,7 @@ pub struct Elastic<const D: usize> {
     /// Weights of the strain, divergence-consistent where the spacing varies.
     pub gradient: Arc<Gradient<D>>,
     /// Continuation of every displacement component.
-    pub extension: Vec<Extension<D>>,
+    pub extension: Vec<MirrorContinuation<D>>,
     /// Elastic constants per point, shape `(n,)`.
     pub lame: Vec<Lame>,
     plain: Arc<Gradient<D>>,
@@ -38,7 +38,7 @@ impl<const D: usize> Elastic<D> {
     pub fn new(
         around: Arc<Neighbourhood<D>>,
         gradient: Option<Gradient<D>>,
-        extension: Vec<Extension<D>>,
+        extension: Vec<MirrorContinuation<D>>,
         lame: Vec<Lame>,
         hourglass: f64,
     ) -> Self {
@@ -102,33 +102,38 @@ impl<const D: usize> Elastic<D> {
         &self,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Vec<Vector<D>> {
-        let answer = |owner: usize, strain: &Matrix<D>| (self.lame[owner].stress(strain), 1.0);
-        self.bond_forces_of(difference, answer)
+        let response = |owner: usize, strain: &Matrix<D>| (self.lame[owner].stress(strain), 1.0);
+        self.bond_forces_of(difference, response)
     }
 
-    /// As [`Elastic::bond_forces`] with `answer(owner, strain)`, the stress in Pa and the factor of the
+    /// As [`Elastic::bond_forces`] with `response(owner, strain)`, the stress in Pa and the factor of the
     /// hourglass stiffness.
     pub fn bond_forces_of(
         &self,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
-        answer: impl Fn(usize, &Matrix<D>) -> (Matrix<D>, f64) + Sync,
+        response: impl Fn(usize, &Matrix<D>) -> (Matrix<D>, f64) + Sync,
     ) -> Vec<Vector<D>> {
         let families = &self.around.families;
         let mut forces = vec![Vector::zeros(); families.bonds()];
         by_ranges(families.offsets(), &mut forces, |owner, forces| {
             let difference = |bond: usize| difference(owner, bond);
-            self.family_answer(owner, difference, |strain, _| answer(owner, strain), forces);
+            self.family_response(
+                owner,
+                difference,
+                |strain, _| response(owner, strain),
+                forces,
+            );
         });
         forces
     }
 
     /// Forces on the ends of the bonds of one family, N, into `forces`; gives its hourglass energy, J,
-    /// without the factor that `answer(strain, energy)` gives beside the stress.
-    pub(super) fn family_answer(
+    /// without the factor that `response(strain, energy)` gives beside the stress.
+    pub(super) fn family_response(
         &self,
         owner: usize,
         difference: impl Fn(usize) -> Vector<D>,
-        answer: impl FnOnce(&Matrix<D>, f64) -> (Matrix<D>, f64),
+        response: impl FnOnce(&Matrix<D>, f64) -> (Matrix<D>, f64),
         forces: &mut [Vector<D>],
     ) -> f64 {
         let around = &self.around;
@@ -151,15 +156,15 @@ impl<const D: usize> Elastic<D> {
             *own -= plain * around.bond_vector(owner, bond);
             squares += around.measure[bond] * own.norm_squared();
         }
-        let rough = 0.5 * self.hourglass[owner] * squares;
-        let (stress, factor) = answer(&((slope + slope.transpose()) * 0.5), rough);
+        let hourglass_energy = 0.5 * self.hourglass[owner] * squares;
+        let (stress, factor) = response(&((slope + slope.transpose()) * 0.5), hourglass_energy);
         let stress = stress * around.cloud.volume[owner];
         let hourglass = self.hourglass[owner] * factor;
         for (bond, own) in family.zip(forces) {
             let held = *own * (hourglass * around.measure[bond]);
             *own = stress * self.gradient.weight[bond] + held;
         }
-        rough
+        hourglass_energy
     }
 
     /// Sums bond forces to the derivative of the energy at every point, shape `(n·D,)`, N.

@@ -15,7 +15,7 @@ pub enum Parity {
 
 /// Continuation of one field to every image: value of image = sign · value + Σ wall · wall values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Extension<const D: usize> {
+pub struct MirrorContinuation<const D: usize> {
     parity: Vec<Parity>,
     sign: Vec<f64>,
     wall: Vec<Vec<f64>>,
@@ -24,11 +24,11 @@ pub struct Extension<const D: usize> {
     planes: Vec<f64>,
 }
 
-impl<const D: usize> Extension<D> {
+impl<const D: usize> MirrorContinuation<D> {
     /// Continuation for the given parity per side (in the order of [`Side::index`]); `planes` are
     /// the coordinates of the sides in metres.
     pub fn new(images: &ImageTable<D>, parity: &[Parity], planes: &[f64]) -> Self {
-        let mut extension = Extension {
+        let mut extension = MirrorContinuation {
             parity: parity.to_vec(),
             sign: Vec::new(),
             wall: Vec::new(),
@@ -194,7 +194,7 @@ mod tests {
     fn a_linear_field_with_its_own_wall_values_continues_linearly() {
         let (domain, images) = strip();
         let parity = [Parity::Odd, Parity::Odd, Parity::Even, Parity::Even];
-        let extension = Extension::new(&images, &parity, &[0.0, 1.0, 0.0, 0.2]);
+        let extension = MirrorContinuation::new(&images, &parity, &[0.0, 1.0, 0.0, 0.2]);
         let field = |x: &Vector<2>| 3.0 - 2.0 * x[0];
         let x = Vector::<2>::new(0.15, 0.07);
         let walls = [3.0, 1.0, 0.0, 0.0];
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn wall_values_that_vary_along_the_wall_are_taken_at_the_foot() {
         let (_, images) = strip();
-        let extension = Extension::new(&images, &[Parity::Odd; 4], &[0.0, 1.0, 0.0, 0.2]);
+        let extension = MirrorContinuation::new(&images, &[Parity::Odd; 4], &[0.0, 1.0, 0.0, 0.2]);
         let field = |x: &Vector<2>| 1.0 + 2.0 * x[0] - 3.0 * x[1];
         let x = Vector::<2>::new(0.9, 0.07);
         for (number, image) in images.iter().enumerate() {
@@ -225,7 +225,7 @@ mod tests {
     fn one_sided_walls_drop_their_images_and_outlets_name_the_prescribed_side() {
         let (_, images) = strip();
         let parity = [Parity::Odd, Parity::OneSided, Parity::Even, Parity::Even];
-        let extension = Extension::new(&images, &parity, &[0.0, 1.0, 0.0, 0.2]);
+        let extension = MirrorContinuation::new(&images, &parity, &[0.0, 1.0, 0.0, 0.2]);
         for (number, image) in images.iter().enumerate() {
             let number = number as u8;
             assert_eq!(

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 #[cfg(test)]
-use super::Extension;
+use super::MirrorContinuation;
 use super::Neighbourhood;
 use crate::geometry::Vector;
 
@@ -61,7 +61,7 @@ pub fn family_gradient<const D: usize>(
 fn area_vectors<const D: usize>(
     around: &Neighbourhood<D>,
     gradient: &Gradient<D>,
-    extension: &Extension<D>,
+    extension: &MirrorContinuation<D>,
 ) -> Vec<Vector<D>> {
     let sign = |_: usize, bond: usize| extension.sign(around.families.image(bond));
     column_sums(around, |axis, bond| gradient.weight[bond][axis], sign)
@@ -117,7 +117,7 @@ mod tests {
         let families = Families::search(&cloud, horizon).unwrap();
         let planes: Vec<f64> = Side::all(2).map(|side| cloud.domain.plane(side)).collect();
         let parity = [Parity::OneSided, Parity::Odd, Parity::Even, Parity::Even];
-        let extension = Extension::new(&families.images, &parity, &planes);
+        let extension = MirrorContinuation::new(&families.images, &parity, &planes);
         let families = families
             .retain_images(|image| extension.keeps(image))
             .unwrap();

@@ -187,7 +187,7 @@ fn moment<const D: usize>(model: &Model<D>, state: &State, elastic: f64) -> Opti
         .solid
         .as_ref()
         .filter(|solid| !solid.mass.is_empty())?;
-    let external = model.push(state.time, &state.pressure);
+    let external = model.external_force(state.time, &state.pressure);
     let mut total = external.clone();
     solid.subtract_internal(&state.displacement, &state.walls, &mut total);
     let of_components = solid.mass.iter().flat_map(|mass| [*mass; D]);

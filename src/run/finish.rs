@@ -41,7 +41,7 @@ impl<const D: usize> Run<'_, D> {
         let model = &self.model;
         let flow = model.flow.as_ref();
         let solid = model.solid.as_ref();
-        let partition = model.share().partition();
+        let partition = model.subdomain().partition();
         let [bonds, nonzeros] = self.sizes();
         let prescribed = flow.map_or(0, |flow| flow.fixed.len());
         let mut summary = Summary {
@@ -116,7 +116,7 @@ impl<const D: usize> Run<'_, D> {
             .as_ref()
             .map_or(0, |solid| solid.stiffness.nnz());
         let mut sizes = [families.map_or(0, |f| own(f)), flow + solid].map(|size| size as f64);
-        model.share().sum(&mut sizes);
+        model.subdomain().sum(&mut sizes);
         sizes.map(|size| size as usize)
     }
 
@@ -260,7 +260,7 @@ impl<const D: usize> Run<'_, D> {
 
     /// Values of a function at all points; every process works out those of its own.
     fn everywhere(&self, per_point: usize, value: impl Fn(&[f64], &mut [f64]) + Sync) -> Vec<f64> {
-        let (cloud, share) = (&self.model.cloud, self.model.share());
+        let (cloud, share) = (&self.model.cloud, self.model.subdomain());
         let mut values = vec![0.0; per_point * cloud.len()];
         let points = values.par_chunks_mut(per_point).enumerate();
         points

@@ -47,8 +47,8 @@ impl Fractures {
         let forces = match solid.walls.is_empty() {
             true => Vec::new(),
             false => {
-                let answer = solid.answer(&state.displacement, &state.walls, &state.history)?;
-                solid.wall_forces(&answer)
+                let response = solid.response(&state.displacement, &state.walls, &state.history)?;
+                solid.wall_forces(&response)
             }
         };
         let pressure = |(number, crack): (usize, &CrackPlan)| {
@@ -158,7 +158,7 @@ pub struct Results {
 
 /// Follows what breaks.
 #[derive(Debug, Clone, Default)]
-pub struct Tracker {
+pub struct CrackTracker {
     /// The figures until now.
     pub results: Results,
     /// Time at which each point broke, s; 0 for those broken from the start, infinite for the others.
@@ -167,7 +167,7 @@ pub struct Tracker {
     pub last: Option<Fractures>,
 }
 
-impl Tracker {
+impl CrackTracker {
     /// Takes in the figures of an accepted state.
     pub fn follow<const D: usize>(
         &mut self,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use super::checkpoint::{Checkpoint, Course, Place, Record, Saver, Snapshot};
-use super::stops::Stops;
+use super::stops::OutputSchedule;
 use super::time_loop::{March, Run};
 use super::{RunError, TimedErrors};
 use crate::geometry::Cloud;
@@ -45,7 +45,7 @@ impl<const D: usize> Run<'_, D> {
     }
 
     fn processes(&self) -> usize {
-        let partition = self.model.share().partition();
+        let partition = self.model.subdomain().partition();
         partition.map_or(1, |own| own.team().size())
     }
 
@@ -83,7 +83,7 @@ impl<const D: usize> Run<'_, D> {
             refills: course.refills,
             wall_s: course.wall_s,
         };
-        let mut stops = Stops::new(self.plan, &self.model.breakpoints());
+        let mut stops = OutputSchedule::new(self.plan, &self.model.breakpoints());
         (0..course.passed).for_each(|_| stops.pass());
         if let Some(writer) = &mut self.writer {
             let stood = (self.state.time, course.last_output);

@@ -21,14 +21,14 @@ pub struct Stop {
 }
 
 /// Output times and breakpoints of loads up to the end.
-pub struct Stops {
+pub struct OutputSchedule {
     stops: std::vec::IntoIter<Stop>,
     current: Option<Stop>,
     passed: usize,
 }
 
-impl Stops {
-    /// Stops of a plan whose loads have the given breakpoints.
+impl OutputSchedule {
+    /// Schedule of a plan whose loads have the given breakpoints.
     pub fn new(plan: &Plan, breakpoints: &[f64]) -> Self {
         let (start, end) = (plan.time.start, plan.time.end);
         let first = start + 1e-12 * end;
@@ -53,7 +53,7 @@ impl Stops {
         stops.dedup_by(|b, a| b.time - a.time <= 1e-12 * end);
         let mut stops = stops.into_iter();
         let current = stops.next();
-        Stops {
+        OutputSchedule {
             stops,
             current,
             passed: 0,

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use perifrac_solvers::{Interrupt, Team};
+use perifrac_solvers::{Communicator, Interrupt};
 
 use super::audit::Stored;
 use super::checkpoint::{Checkpoint, Saver, Snapshot};
-use super::fracture::{Fractures, Tracker};
+use super::fracture::{CrackTracker, Fractures};
 use super::rejections::Rejections;
 use super::restart::Before;
 use super::scale::Scale;
 use super::settings::Settings;
-use super::stops::{Stops, clamp};
+use super::stops::{OutputSchedule, clamp};
 use super::{RunError, Summary, TimedErrors, Writer, takeover};
 use crate::model::Model;
 use crate::output::OutputError;
@@ -135,7 +135,7 @@ pub fn run<const D: usize>(
 pub struct Job<'a> {
     /// Other processes, if there are any: all must run the same plan together, each with its own writer.
     /// The summary and the state are the same everywhere.
-    pub team: Option<&'a Arc<dyn Team>>,
+    pub team: Option<&'a Arc<dyn Communicator>>,
     /// Writes the files of the run.
     pub writer: Option<&'a mut Writer>,
     /// Is told how the run goes on.
@@ -215,7 +215,7 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         rejections: Rejections::default(),
         last_output: None,
         timed_errors: Vec::new(),
-        tracker: Tracker::default(),
+        tracker: CrackTracker::default(),
         drawn: 0.0,
         pressed: Some(0.0),
         unsettled: 0.0,
@@ -261,7 +261,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) rejections: Rejections,
     pub(super) last_output: Option<f64>,
     pub(super) timed_errors: Vec<TimedErrors>,
-    pub(super) tracker: Tracker,
+    pub(super) tracker: CrackTracker,
     /// Length of the cracks at the last output that their growth asked for, m.
     pub(super) drawn: f64,
     /// Largest pressure so far, in absolute amount, Pa; `None` once one below zero was reported.
@@ -283,7 +283,7 @@ pub(super) struct Run<'a, const D: usize> {
 pub(super) struct March {
     pub scale: Scale,
     pub control: StepControl,
-    pub stops: Stops,
+    pub stops: OutputSchedule,
 }
 
 impl<const D: usize> Run<'_, D> {
@@ -386,7 +386,7 @@ impl<const D: usize> Run<'_, D> {
         let scale = timers.time("range", || self.scale());
         let scale = scale.map_err(|error| self.failed(error))?;
         let control = self.control(scheme);
-        let stops = Stops::new(self.plan, &self.model.breakpoints());
+        let stops = OutputSchedule::new(self.plan, &self.model.breakpoints());
         let balanced = self.audit(&self.model, &StepReport::default(), &self.state);
         self.balance = balanced.map_err(|error| self.failed(error))?;
         timers.time("output", || self.first_output(&StepReport::default()))?;
@@ -513,14 +513,14 @@ impl<const D: usize> Run<'_, D> {
     /// Whether the user stopped any of the processes.
     fn is_interrupted(&self) -> bool {
         let mut stopped = [f64::from(u8::from(self.interrupt.is_raised()))];
-        self.model.share().sum(&mut stopped);
+        self.model.subdomain().sum(&mut stopped);
         stopped[0] > 0.5
     }
 
     /// A failure of one process is a failure of all, so that none waits for another.
     pub(super) fn agree(&self, result: Result<(), OutputError>) -> Result<(), RunError> {
         let mut failed = [f64::from(u8::from(result.is_err()))];
-        self.model.share().sum(&mut failed);
+        self.model.subdomain().sum(&mut failed);
         match result {
             Ok(()) if failed[0] > 0.5 => Err(RunError::Elsewhere),
             result => Ok(result?),

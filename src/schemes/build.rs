@@ -29,7 +29,10 @@ pub fn build<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
 ) -> Result<Box<dyn Scheme<D>>, StepError> {
-    let team = model.share().partition().map(|partition| partition.team());
+    let team = model
+        .subdomain()
+        .partition()
+        .map(|partition| partition.team());
     check(plan, team.map_or(1, |team| team.size()))?;
     let options = plan.scheme_options;
     Ok(match method(plan) {

@@ -155,7 +155,7 @@ pub enum StepError {
     },
     /// Forces balance, but what the pores took up is not what the strain says.
     #[error(
-        "pressure and strain do not agree in the fractures at t = {time:.6e} s: strain owes {owed:.1e} of the \
+        "pressure and strain do not agree in the fractures at t = {time:.6e} s: strain owes {splitting_residual:.1e} of the \
          fluid taken up after {iterations} passes of the run, allowed {allowed:.1e}; take smaller steps, or use \
          --scheme monolithic"
     )]
@@ -163,7 +163,7 @@ pub enum StepError {
         /// Time, s.
         time: f64,
         /// Smallest share that strain owed while forces balanced.
-        owed: f64,
+        splitting_residual: f64,
         /// The one allowed.
         allowed: f64,
         /// Passes done.

@@ -12,8 +12,8 @@
 use perifrac_solvers::norm2;
 use rayon::prelude::*;
 
-use super::implicit::{close_fixed, weigh};
-use super::memory::Watch;
+use super::implicit::{close_fixed, weighted_flows};
+use super::memory::GrowthMonitor;
 use super::quasi_static::growth;
 use super::stage::{Stage, Target};
 use super::{
@@ -31,7 +31,7 @@ pub struct ForwardEuler<const D: usize> {
     rate: Vec<f64>,
     constant: bool,
     rate_time: Option<f64>,
-    watch: Watch,
+    watch: GrowthMonitor,
     /// S per point, m^D/Pa; S + β V with a solid.
     storage: Vec<f64>,
     /// Passes between flow and the solid, if there is one.
@@ -61,7 +61,7 @@ impl<const D: usize> ForwardEuler<D> {
             rate: vec![0.0; flow.points()],
             constant: model.breakpoints().is_empty() && flow.is_constant(),
             rate_time: None,
-            watch: Watch::default(),
+            watch: GrowthMonitor::default(),
             storage: flow.capacity.clone(),
             passes: None,
             loads_vary: model
@@ -270,7 +270,7 @@ impl<const D: usize> ForwardEuler<D> {
         let moved = imbalance.iter().map(|rate| dt * rate).collect();
         let step = passes.solve(model, target, moved, &mut report)?;
         trial.set_sum(&loaded, 1.0, &step);
-        report.flows = weigh(flow, &[(dt, &old.pressure, old.time, &imbalance)]);
+        report.flows = weighted_flows(flow, &[(dt, &old.pressure, old.time, &imbalance)]);
         close_fixed(model, flow, &mut report.flows, &trial.since(old));
         Ok(report)
     }

@@ -98,7 +98,7 @@ impl<const D: usize> Implicit<D> {
             let half = end.iter().zip(&start).map(|(e, s)| 0.5 * dt * (e - s));
             report.error = Some(self.estimate(model, half.collect(), &mut report)?);
         }
-        report.flows = weigh(flow, &[(dt, &trial.pressure, time, &end)]);
+        report.flows = weighted_flows(flow, &[(dt, &trial.pressure, time, &end)]);
         close_fixed(model, flow, &mut report.flows, &step);
         trial.memory.imbalance = Some(Timed { time, values: end });
         Ok(report)
@@ -157,7 +157,7 @@ impl<const D: usize> Implicit<D> {
             (outer, &middle.pressure, middle_time, &halfway),
             (a, &trial.pressure, end_time, &end),
         ];
-        report.flows = weigh(flow, &stages);
+        report.flows = weighted_flows(flow, &stages);
         close_fixed(model, flow, &mut report.flows, &trial.since(old));
         trial.memory.imbalance = Some(Timed {
             time: end_time,
@@ -187,7 +187,7 @@ impl<const D: usize> Implicit<D> {
 }
 
 /// Flows of a step as the weighted sum over its stages (weight, pressure, time, imbalance).
-pub(super) fn weigh<const D: usize>(
+pub(super) fn weighted_flows<const D: usize>(
     flow: &FlowModel<D>,
     stages: &[(f64, &Vec<f64>, f64, &Vec<f64>)],
 ) -> Flows {

@@ -168,7 +168,7 @@ fn pressure_scale<const D: usize>(solid: &SolidModel<D>, coupling: &Coupling) ->
         .filter_map(|row| solid.stiffness.get(row, row))
         .sum();
     let push: f64 = (0..elastic.points())
-        .filter(|owner| solid.share().owns(*owner))
+        .filter(|owner| solid.subdomain().owns(*owner))
         .map(|owner| {
             let family = elastic.around.families.family(owner);
             let sum: f64 = family
@@ -178,7 +178,7 @@ fn pressure_scale<const D: usize>(solid: &SolidModel<D>, coupling: &Coupling) ->
         })
         .sum();
     let mut sums = [stiffness, push];
-    solid.share().sum(&mut sums);
+    solid.subdomain().sum(&mut sums);
     let stiffness = sums[0] / solid.unknowns() as f64;
     let push = sums[1] / elastic.points() as f64;
     // A power of two scales without rounding.

@@ -37,7 +37,7 @@ pub struct Memory {
     /// Compliance of fractures when it was measured.
     pub compliance: Option<Measured>,
     /// Growth watch of explicit steps.
-    pub watch: Watch,
+    pub watch: GrowthMonitor,
     /// Stability limit as of the last step, where it follows the state.
     pub limit: Option<StepLimit>,
 }
@@ -60,17 +60,17 @@ impl Timed {
 
 /// Pressure change and strain content of one pass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Guess {
+pub struct Predictor {
     /// Pa, shape `(n,)`.
     pub pressure: Vec<f64>,
     /// Pore volume gained by strain, m^D, shape `(n,)`.
     pub content: Vec<f64>,
 }
 
-impl Guess {
+impl Predictor {
     /// No change at all.
     pub fn none(points: usize) -> Self {
-        Guess {
+        Predictor {
             pressure: vec![0.0; points],
             content: vec![0.0; points],
         }
@@ -83,15 +83,15 @@ pub struct Lag {
     /// Length of the step, s.
     pub dt: f64,
     /// What its last pass found.
-    pub found: Guess,
+    pub found: Predictor,
 }
 
 impl Lag {
     /// The same in a step of another length, s.
-    pub fn scaled(&self, dt: f64) -> Guess {
+    pub fn scaled(&self, dt: f64) -> Predictor {
         let share = if self.dt > 0.0 { dt / self.dt } else { 0.0 };
         let scale = |values: &[f64]| values.iter().map(|value| share * value).collect();
-        Guess {
+        Predictor {
             pressure: scale(&self.found.pressure),
             content: scale(&self.found.content),
         }
@@ -121,7 +121,7 @@ pub struct Measured {
 /// Watches the imbalance ‖q − L p‖ in the S⁻¹ norm. Stable steps never let it grow by more than the
 /// loads change, so growth means instability, long before values overflow.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Watch {
+pub struct GrowthMonitor {
     /// Steps seen.
     pub steps: usize,
     /// Largest imbalance that the loads until now can have caused.

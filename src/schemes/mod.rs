@@ -6,6 +6,7 @@
 //! Verlet { flow }                   QuasiStatic { SolidSolver }
 //! ```
 
+mod accelerator;
 mod build;
 mod control;
 mod error;
@@ -15,7 +16,6 @@ mod implicit;
 mod layout;
 mod limits;
 mod memory;
-mod mixer;
 mod monolithic;
 mod quasi_static;
 mod relaxation;

@@ -13,7 +13,9 @@ use perifrac_solvers::{
 };
 
 use super::layout::BlockMatrix;
-use super::solid::{Border, Chosen, build_solver, corner, ratio, volume_stiffness};
+use super::solid::{
+    BorderedSystem, Chosen, build_solver, plate_stiffness, ratio, volume_stiffness,
+};
 use super::stage::{Stage, Target};
 use super::system::{FILTERED, kept_if_same};
 use super::{
@@ -26,7 +28,7 @@ pub struct Monolithic {
     solver: Box<dyn LinearSolver>,
     chosen: Chosen,
     block: BlockMatrix,
-    border: Border,
+    border: BorderedSystem,
     coefficient: Option<f64>,
     /// Coefficient at the start of the step, which stays as long as it is wanted.
     kept: Option<f64>,
@@ -53,7 +55,7 @@ impl Monolithic {
         let block = BlockMatrix::new(model)?;
         let coordinates = model.cloud.flat_positions();
         let problem = Problem {
-            partition: solid_of(model)?.share().partition(),
+            partition: solid_of(model)?.subdomain().partition(),
             solves: demand.solves,
             contrast: ratio(flow_of(model)?.mobility.iter().copied()),
             volume_stiffness: volume_stiffness(solid_of(model)?),
@@ -70,7 +72,7 @@ impl Monolithic {
             solver,
             chosen,
             block,
-            border: Border::default(),
+            border: BorderedSystem::default(),
             coefficient: None,
             kept: None,
             leak: flow_of(model)?.leak(),
@@ -96,7 +98,7 @@ impl Monolithic {
         };
         let columns = solid.plates().into_iter().map(column).collect();
         let (solver, view) = (&mut self.solver, self.block.matrix.view());
-        self.border = Border::new(columns, corner(solid), |column| {
+        self.border = BorderedSystem::new(columns, plate_stiffness(solid), |column| {
             let mut x = vec![0.0; column.len()];
             solver.solve(view, column, &mut x)?;
             Ok(x)
@@ -150,7 +152,7 @@ impl Monolithic {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let a = self.coefficient.unwrap_or(0.0);
         let mut push = vec![0.0; x.displacement.len()];
-        coupling.add_push(solid, &x.pressure, &mut push);
+        coupling.add_pressure_force(solid, &x.pressure, &mut push);
         let scale = |values: &[f64]| values.iter().map(|v| v.abs()).sum::<f64>();
         let driven = scale(&known.force) + scale(&push) + scale(&known.plates);
         let mut force: Vec<f64> = known.force.iter().zip(&push).map(|(f, p)| f + p).collect();

@@ -23,9 +23,9 @@ impl<const D: usize> QuasiStatic<D> {
 /// Keeps what the state drove: damage does not heal.
 pub fn advance<const D: usize>(model: &Model<D>, state: &mut State) {
     let Some(solid) = &model.solid else { return };
-    let answer = solid.answer(&state.displacement, &state.walls, &state.history);
-    if let (Some(damage), Some(answer)) = (&solid.damage, answer) {
-        damage.advance(&answer.driving, &mut state.history);
+    let response = solid.response(&state.displacement, &state.walls, &state.history);
+    if let (Some(damage), Some(response)) = (&solid.damage, response) {
+        damage.advance(&response.driving, &mut state.history);
     }
 }
 

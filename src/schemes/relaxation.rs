@@ -62,10 +62,10 @@ impl Relaxation {
         if self.stiffness.is_empty() {
             self.stiffness = vec![SOFTEST.sqrt(); solid.elastic.points()];
         }
-        let corner = super::solid::corner(solid);
-        self.plates = match corner.is_empty() {
+        let plate_stiffness = super::solid::plate_stiffness(solid);
+        self.plates = match plate_stiffness.is_empty() {
             true => None,
-            false => Some(corner.try_inverse().ok_or(StepError::LoosePlate)?),
+            false => Some(plate_stiffness.try_inverse().ok_or(StepError::LoosePlate)?),
         };
         Ok(())
     }
@@ -259,7 +259,7 @@ fn external<const D: usize>(
     let mut force = vec![0.0; solid.unknowns()];
     solid.loads(state.time, &mut force);
     if let Some(coupling) = coupling {
-        coupling.add_push(solid, &state.pressure, &mut force);
+        coupling.add_pressure_force(solid, &state.pressure, &mut force);
     }
     force
 }

@@ -44,7 +44,7 @@ pub trait SolidSolver<const D: usize>: Send {
 pub struct Assembled {
     solver: Box<dyn LinearSolver>,
     chosen: Chosen,
-    border: Border,
+    border: BorderedSystem,
     /// Largest forces so far, Σ of absolutes, N.
     largest: f64,
     newton: u64,
@@ -76,7 +76,7 @@ impl Assembled {
         Ok(Assembled {
             solver,
             chosen,
-            border: Border::default(),
+            border: BorderedSystem::default(),
             largest: 0.0,
             newton: 0,
             refilled: None,
@@ -101,9 +101,9 @@ impl Assembled {
                 column
             })
             .collect();
-        let corner = corner(solid);
+        let plate_stiffness = plate_stiffness(solid);
         let solver = &mut self.solver;
-        self.border = Border::new(columns, corner, |column| {
+        self.border = BorderedSystem::new(columns, plate_stiffness, |column| {
             let mut x = vec![0.0; column.len()];
             solver.solve(solid.matrix(), column, &mut x)?;
             Ok(x)
@@ -120,7 +120,7 @@ pub fn mechanics_problem<'a, const D: usize>(
     solves: usize,
 ) -> Problem<'a> {
     Problem {
-        partition: solid.share().partition(),
+        partition: solid.subdomain().partition(),
         solves,
         contrast: ratio(solid.elastic.lame.iter().map(|lame| lame.mu)),
         volume_stiffness: volume_stiffness(solid),
@@ -179,7 +179,7 @@ pub fn ratio(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Stiffness among the plates.
-pub fn corner<const D: usize>(solid: &SolidModel<D>) -> DMatrix<f64> {
+pub fn plate_stiffness<const D: usize>(solid: &SolidModel<D>) -> DMatrix<f64> {
     let plates = solid.plates();
     DMatrix::from_fn(plates.len(), plates.len(), |k, l| {
         solid.wall_stiffness[(plates[k], plates[l])]
@@ -323,7 +323,7 @@ impl Assembled {
 
 /// A few unknowns beyond the factored matrix A: [A B; Bᵀ C] with A⁻¹ at hand.
 #[derive(Debug, Clone, Default)]
-pub struct Border {
+pub struct BorderedSystem {
     columns: Vec<Vec<f64>>,
     /// A⁻¹ B.
     solved: Vec<Vec<f64>>,
@@ -331,27 +331,27 @@ pub struct Border {
     inverse: DMatrix<f64>,
 }
 
-impl Border {
-    /// Border with the given columns and corner; `solve` applies A⁻¹.
+impl BorderedSystem {
+    /// System bordered by the given columns and the stiffness of the plates; `solve` applies A⁻¹.
     ///
     /// # Errors
     /// Those of `solve`; [`StepError::LoosePlate`] if the bordered matrix is singular.
     pub fn new(
         columns: Vec<Vec<f64>>,
-        corner: DMatrix<f64>,
+        plate_stiffness: DMatrix<f64>,
         mut solve: impl FnMut(&[f64]) -> Result<Vec<f64>, StepError>,
     ) -> Result<Self, StepError> {
         let solved: Result<Vec<Vec<f64>>, StepError> =
             columns.iter().map(|column| solve(column)).collect();
         let solved = solved?;
         let schur = DMatrix::from_fn(columns.len(), columns.len(), |k, l| {
-            corner[(k, l)] - perifrac_solvers::dot(&columns[k], &solved[l])
+            plate_stiffness[(k, l)] - perifrac_solvers::dot(&columns[k], &solved[l])
         });
         let inverse = match columns.is_empty() {
             true => schur,
             false => schur.try_inverse().ok_or(StepError::LoosePlate)?,
         };
-        Ok(Border {
+        Ok(BorderedSystem {
             columns,
             solved,
             inverse,

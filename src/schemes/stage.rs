@@ -48,7 +48,7 @@ pub trait Stage<const D: usize>: Send {
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError>;
 
-    /// Brings the initial state to the undrained answer to its loads.
+    /// Brings the initial state to the undrained response to its loads.
     ///
     /// # Errors
     /// [`StepError`].

@@ -4,8 +4,8 @@
 //! pressure will cause. Without it (β = 0, the paper's form) the iteration diverges where
 //! τ = α²/(s(λ+2μ)) > 1.
 
-use super::memory::{Guess, Lag};
-use super::mixer::Mixer;
+use super::accelerator::Accelerator;
+use super::memory::{Lag, Predictor};
 use super::solid::SolidSolver;
 use super::stage::{Stage, Target};
 use super::stagnation::Stagnation;
@@ -102,7 +102,7 @@ impl<const D: usize> Staggered<D> {
         Self::new("explicit", flow, solid, parts, options, tolerance)
     }
 
-    /// Brings `state` to the undrained answer to the loads at its time.
+    /// Brings `state` to the undrained response to the loads at its time.
     ///
     /// # Errors
     /// As `undrained`.
@@ -162,7 +162,7 @@ impl<const D: usize> Staggered<D> {
         model: &Model<D>,
         target: &Target<'_>,
         rhs: &[f64],
-        guess: &Guess,
+        guess: &Predictor,
         report: &mut StepReport,
     ) -> Result<Vec<f64>, StepError> {
         let flow = flow_of(model)?;
@@ -218,21 +218,21 @@ impl<const D: usize> Staggered<D> {
             None => {
                 let pressure = vec![0.0; rhs.len()];
                 let content = self.solid_pass(model, target, &pressure, &mut state, report)?;
-                Guess { pressure, content }
+                Predictor { pressure, content }
             }
         };
         let base = model.content(&target.base.displacement, &target.base.walls);
         let held: f64 = base.iter().map(|c| c.abs()).sum();
         let rounding = ROUNDING * (held + model.level * self.storage.iter().sum::<f64>());
         let once = self.passes_once(target.slot);
-        let mut mixer = Mixer::new(self.options.acceleration);
+        let mut accelerator = Accelerator::new(self.options.acceleration);
         let mut stagnation = Stagnation::new();
         let (mut first, mut last, mut relative) = (0.0, f64::INFINITY, f64::INFINITY);
         for pass in 1..=self.options.coupling_iterations {
             let pressure = self.flow_pass(model, target, rhs, &guess, report)?;
             let content = self.solid_pass(model, target, &pressure, &mut state, report)?;
             self.coupling_iterations += 1;
-            let found = Guess { pressure, content };
+            let found = Predictor { pressure, content };
             let (left, scale) = self.disagreement(target, rhs, (&guess, &found));
             let scale = scale + rounding;
             if pass == 1 {
@@ -257,7 +257,7 @@ impl<const D: usize> Staggered<D> {
                 return self.diverged(model, target.time, pass, [left / scale; 2]);
             }
             (last, relative) = (left, left / scale);
-            guess = mixer.next(guess, found, &self.storage);
+            guess = accelerator.next(guess, found, &self.storage);
         }
         let passes = self.options.coupling_iterations;
         self.diverged(model, target.time, passes, [relative; 2])
@@ -273,7 +273,7 @@ impl<const D: usize> Staggered<D> {
         &self,
         model: &Model<D>,
         dt: f64,
-        (guess, found): (&Guess, &Guess),
+        (guess, found): (&Predictor, &Predictor),
     ) -> Result<f64, StepError> {
         let flow = flow_of(model)?;
         let volume = &flow.operator.neighbourhood().cloud.volume;
@@ -357,7 +357,7 @@ impl<const D: usize> Staggered<D> {
         &self,
         target: &Target<'_>,
         rhs: &[f64],
-        (guess, found): (&Guess, &Guess),
+        (guess, found): (&Predictor, &Predictor),
     ) -> (f64, f64) {
         let base = &target.base.pressure;
         let mut total = (0.0, 0.0);

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use perifrac_solvers::Demand;
 
 use super::{ImplicitSystem, SchemeCounters, State, StepError, StepReport};
-use crate::boundary::Wall;
+use crate::boundary::BoundaryPlane;
 use crate::model::FlowModel;
 
 /// Imbalance of a sealed part, relative to its gross rates, that counts as rounding.
@@ -72,7 +72,7 @@ fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
         .for_each(|fixed| anchored[fixed.point] = true);
     flow.walls
         .iter()
-        .flat_map(Wall::points)
+        .flat_map(BoundaryPlane::points)
         .for_each(|point| anchored[point] = true);
     let label = labels(flow);
     let mut parts: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
@@ -89,7 +89,7 @@ fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
 /// Labels fall to those of neighbours until none changes; over several processes each settles its own
 /// rows between two exchanges.
 fn labels<const D: usize>(flow: &FlowModel<D>) -> Vec<u32> {
-    let (pattern, share) = (&flow.pattern, flow.share());
+    let (pattern, share) = (&flow.pattern, flow.subdomain());
     let mut label: Vec<u32> = (0..flow.points() as u32).collect();
     loop {
         let before = label.clone();

@@ -65,7 +65,7 @@ impl ImplicitSystem {
         let coordinates = flow.operator.neighbourhood().cloud.flat_positions();
         let values = vec![0.0; flow.pattern.nonzeros()];
         let problem = Problem {
-            partition: flow.share().partition(),
+            partition: flow.subdomain().partition(),
             solves: demand.solves,
             contrast: ratio(flow.mobility.iter().copied()),
             coordinates: Some(Coordinates {
@@ -179,13 +179,13 @@ impl ImplicitSystem {
         }
         self.storage.copy_from_slice(storage);
         self.ground.fill(0.0);
-        let grounded = ground.iter().filter(|row| flow.share().owns(**row));
+        let grounded = ground.iter().filter(|row| flow.subdomain().owns(**row));
         for &row in grounded {
             let diagonal = flow.pattern.diagonal(row);
             self.ground[row] = self.values[diagonal];
             self.values[diagonal] *= 2.0;
         }
-        flow.share().complete(&mut self.ground, 1);
+        flow.subdomain().complete(&mut self.ground, 1);
         self.fix_rows(flow);
     }
 
@@ -327,6 +327,6 @@ impl ImplicitSystem {
                 false => rhs[row] - self.lift[row],
             };
         }
-        flow.share().complete(rhs, 1);
+        flow.subdomain().complete(rhs, 1);
     }
 }

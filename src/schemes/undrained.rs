@@ -2,8 +2,8 @@
 
 use perifrac_solvers::norm2;
 
-use super::memory::Guess;
-use super::mixer::Mixer;
+use super::accelerator::Accelerator;
+use super::memory::Predictor;
 use super::solid::SolidSolver;
 use super::{State, StepError, coupling_of, flow_of};
 use crate::model::Model;
@@ -16,7 +16,7 @@ const SETTLED: f64 = 1e-12;
 /// balance with 10 MPa of stress passes went on to change 1e-9 Pa for ever.
 const ROUNDING: f64 = 1e-12;
 
-/// Brings `state` to the undrained answer to the loads at its time by accelerated fixed-stress passes.
+/// Brings `state` to the undrained response to the loads at its time by accelerated fixed-stress passes.
 ///
 /// The full split is used whatever `scheme.relaxation` says: the start is the same for all schemes.
 /// Passes end at the accuracy of the solid solver.
@@ -34,8 +34,8 @@ pub fn undrained<const D: usize>(
     let (split, storage) = coupling.split(1.0, capacity);
     let start = state.clone();
     let bar = SETTLED.max(0.1 * solid.accuracy());
-    let mut mixer = Mixer::new(options.acceleration);
-    let mut guess = Guess::none(storage.len());
+    let mut accelerator = Accelerator::new(options.acceleration);
+    let mut guess = Predictor::none(storage.len());
     let mut relative = f64::INFINITY;
     solid.equilibrate(model, state)?;
     for _ in 0..options.coupling_iterations {
@@ -54,11 +54,11 @@ pub fn undrained<const D: usize>(
         let whole = norm2(&pressure).max(norm2(&state.pressure));
         let size = whole.max(ROUNDING / bar * model.level);
         relative = norm2(&change) / size.max(f64::MIN_POSITIVE);
-        let found = Guess {
+        let found = Predictor {
             pressure,
             content: guess.content.clone(),
         };
-        guess = mixer.next(guess, found, &storage);
+        guess = accelerator.next(guess, found, &storage);
         let moved = start
             .pressure
             .iter()

@@ -106,7 +106,7 @@ pub fn pareto(pairs: &[(f64, f64)]) -> Vec<usize> {
 /// How well the cost of an error is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Grounds {
+pub enum Basis {
     /// Between two measured runs, or a run that is better and the cheapest there is.
     Measured,
     /// Beyond the measured runs, by the power law through them.
@@ -117,11 +117,11 @@ pub enum Grounds {
 
 /// What it costs to reach an error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Reach {
+pub struct CostToAccuracy {
     /// Cost, in the unit of the pairs.
     pub cost: f64,
     /// How well it is known.
-    pub grounds: Grounds,
+    pub grounds: Basis,
 }
 
 /// Cost over that of the dearest run up to which a power law is continued.
@@ -131,12 +131,12 @@ const FARTHEST: f64 = 1e6;
 ///
 /// Beyond the most accurate run the power law through the two best continues it, over two decades of
 /// error and six of cost at most; `None` if the front has a single run or does not get better with cost.
-pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<Reach> {
+pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<CostToAccuracy> {
     let front: Vec<(f64, f64)> = pareto(pairs).into_iter().map(|i| pairs[i]).collect();
     let (first, last) = (front.first()?, front.last()?);
     let measured = |cost| {
-        let grounds = Grounds::Measured;
-        Some(Reach { cost, grounds })
+        let grounds = Basis::Measured;
+        Some(CostToAccuracy { cost, grounds })
     };
     if first.1 <= error {
         return measured(first.0);
@@ -158,9 +158,9 @@ pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<Reach> {
     let fit = Fit::of(&swapped).filter(|fit| fit.slope < 0.0 && last.1 < 100.0 * error)?;
     let cost = last.0 * (error / last.1).powf(fit.slope);
     // Two runs with next to the same error continue to any number.
-    (cost < FARTHEST * last.0).then_some(Reach {
+    (cost < FARTHEST * last.0).then_some(CostToAccuracy {
         cost,
-        grounds: Grounds::Extrapolated,
+        grounds: Basis::Extrapolated,
     })
 }
 
@@ -223,13 +223,13 @@ mod tests {
         assert!((at(1e-2).cost - 10.0).abs() < 1e-9);
         assert_eq!(
             at(0.5),
-            Reach {
+            CostToAccuracy {
                 cost: 1.0,
-                grounds: Grounds::Measured
+                grounds: Basis::Measured
             }
         );
         assert!((at(1e-4).cost - 1000.0).abs() < 1e-6);
-        assert_eq!(at(1e-4).grounds, Grounds::Extrapolated);
+        assert_eq!(at(1e-4).grounds, Basis::Extrapolated);
         assert_eq!(reach(&pairs, 1e-6), None, "too far beyond");
         assert_eq!(reach(&pairs[..1], 1e-2), None);
         let flat = [(1.0, 1e-1), (2.0, 0.99e-1)];

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::run::Interrupt;
 
-use super::{Log, Measured, Row, Runner, Status, StudyError, Subject, Variant, profile};
+use super::{Log, Measured, Row, Runner, Status, StudyCase, StudyError, Variant, profile};
 
 /// Hears of the progress of a study.
 pub trait Watcher {
@@ -20,7 +20,7 @@ impl Watcher for () {
 /// Runs variants and keeps their rows.
 pub struct Campaign<'a> {
     /// What is studied.
-    pub subject: &'a Subject,
+    pub subject: &'a StudyCase,
     /// Starts the runs.
     pub runner: Runner,
     /// Keeps the rows.
@@ -41,7 +41,7 @@ impl<'a> Campaign<'a> {
     /// # Errors
     /// [`StudyError`] if the log cannot be opened or the program not be found.
     pub fn new(
-        subject: &'a Subject,
+        subject: &'a StudyCase,
         folder: &Path,
         repetitions: u32,
         (budget, limit): (Duration, Duration),

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::findings::{count, seconds, short};
 use super::variant::Method;
 use super::{
-    Findings, Fit, Measured, Options, Section, Study, StudyError, Subject, Table, Variant,
+    Fit, Measured, Options, ReportContent, Section, Study, StudyCase, StudyError, Table, Variant,
 };
 use crate::output::{LinePlot, LineStyle, Series};
 use crate::plan::PermeabilityPlan;
@@ -32,7 +32,7 @@ impl Study for Contrast {
         "contrast"
     }
 
-    fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+    fn variants(&self, subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
         let key = Layered::of(subject)?;
         let decades: &[i32] = match options.quick {
             true => &[0, 2, 4, 8, 12],
@@ -93,7 +93,7 @@ impl Study for Contrast {
         Ok(variants)
     }
 
-    fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings {
+    fn findings(&self, subject: &StudyCase, runs: &[Measured]) -> ReportContent {
         let mut groups: BTreeMap<String, Vec<&Measured>> = BTreeMap::new();
         for run in runs {
             groups.entry(run.variant.method()).or_default().push(run);
@@ -179,7 +179,7 @@ impl Study for Contrast {
             }
         }
         let headlines = headlines(&groups, &laws);
-        Findings {
+        ReportContent {
             facts: json!({ "laws": laws, "headlines": headlines }),
             headlines,
             sections: vec![cost, errors, effort],
@@ -194,7 +194,7 @@ struct Layered {
 }
 
 impl Layered {
-    fn of(subject: &Subject) -> Result<Self, StudyError> {
+    fn of(subject: &StudyCase) -> Result<Self, StudyError> {
         let uniform: Vec<(&String, f64)> = subject
             .plan
             .materials

@@ -7,8 +7,8 @@ use serde_json::json;
 use super::findings::{count, short};
 use super::over_resolved::{OverResolved, SECOND_ORDER};
 use super::{
-    Findings, Fit, Kept, Measured, Options, Section, Study, StudyError, Subject, Table, Variant,
-    profile,
+    Fit, Measured, Options, RecordedOutput, ReportContent, Section, Study, StudyCase, StudyError,
+    Table, Variant, profile,
 };
 use crate::output::{LinePlot, LineStyle, Series};
 
@@ -27,7 +27,7 @@ impl Study for Convergence {
         "convergence"
     }
 
-    fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+    fn variants(&self, subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
         if subject.plan.output.profiles.is_empty() {
             return Err(unsuited(
                 subject,
@@ -40,13 +40,13 @@ impl Study for Convergence {
         Ok(variants)
     }
 
-    fn findings(&self, _: &Subject, runs: &[Measured]) -> Findings {
+    fn findings(&self, _: &StudyCase, runs: &[Measured]) -> ReportContent {
         let (time, time_laws, verified) = in_time(runs);
         let (space, space_laws) = in_space(runs);
         let mut headlines: Vec<String> =
             time_laws.iter().chain(&space_laws).map(Law::line).collect();
         headlines.extend(verified);
-        Findings {
+        ReportContent {
             facts: json!({ "time": time_laws, "space": space_laws }),
             headlines,
             sections: vec![time, space],
@@ -54,7 +54,7 @@ impl Study for Convergence {
     }
 }
 
-fn unsuited(subject: &Subject, reason: &str) -> StudyError {
+fn unsuited(subject: &StudyCase, reason: &str) -> StudyError {
     StudyError::Unsuited {
         study: "the convergence study",
         case: subject.plan.case.clone(),
@@ -64,7 +64,7 @@ fn unsuited(subject: &Subject, reason: &str) -> StudyError {
 
 impl Convergence {
     /// Constant steps on one cloud, and an over-resolved run: what differs is the error in time alone.
-    fn in_time(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+    fn in_time(&self, subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
         let end = subject.plan.time.end;
         let implicit = subject
             .methods(options)
@@ -104,7 +104,7 @@ impl Convergence {
                 variant = variant.set(["scheme.coupling_tolerance=1e-11".to_owned()]);
             }
             variant.weight = f64::from(steps);
-            variant.kept = Kept::End;
+            variant.kept = RecordedOutput::End;
             variant
         };
         let mut variants = Vec::new();
@@ -119,7 +119,7 @@ impl Convergence {
     }
 
     /// Clouds with halved spacing and a tolerance far below the error in space.
-    fn in_space(&self, subject: &Subject, options: &Options) -> Vec<Variant> {
+    fn in_space(&self, subject: &StudyCase, options: &Options) -> Vec<Variant> {
         if subject.plan.reference.is_none() {
             return Vec::new();
         }
@@ -214,7 +214,7 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
     section.text.push(
         "Constant steps on one cloud. The error is the distance of the fields along the case's profiles at \
          the end from those of an over-resolved run of the second-order method on the same cloud, so that \
-         the error in space does not enter. Runs within ten times the doubt of the over-resolved one are \
+         the error in space does not enter. Runs within ten times the uncertainty of the over-resolved one are \
          left out of the fits."
             .to_owned(),
     );
@@ -229,10 +229,10 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
         return (section, Vec::new(), None);
     };
     let reference = exact.run;
-    let verified = exact.verdict().map(|doubts| {
+    let verified = exact.verdict().map(|uncertainties| {
         format!(
             "The over-resolved run ({} steps) is itself good to, by Richardson's rule with a run of half \
-             its steps: {doubts}.",
+             its steps: {uncertainties}.",
             count(reference.variant.value("steps")),
         )
     });
@@ -253,7 +253,7 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
                 .total_cmp(&b.variant.value("steps"))
         });
         for (field, _) in &reference.first().fields {
-            let sure = 10.0 * exact.doubt.get(field).copied().unwrap_or(0.0);
+            let sure = 10.0 * exact.uncertainty.get(field).copied().unwrap_or(0.0);
             let pairs: Vec<(f64, f64)> = runs
                 .iter()
                 .filter_map(|run| {

@@ -6,7 +6,7 @@ use crate::output::{LinePlot, NARROW, WIDE, lines_text};
 
 /// What a study found.
 #[derive(Debug, Clone, Default)]
-pub struct Findings {
+pub struct ReportContent {
     /// Numbers, for report.json.
     pub facts: Value,
     /// One sentence per finding, the most important one first.
@@ -52,7 +52,7 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
-impl Findings {
+impl ReportContent {
     /// Files of the pictures with their drawings.
     pub fn pictures(&self) -> impl Iterator<Item = (&str, &str)> {
         let figures = self.sections.iter().flat_map(|section| &section.figures);

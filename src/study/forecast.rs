@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::findings::seconds;
-use super::{Fit, Measured, Options, Study, StudyError, Subject, Variant, cost::Cost};
+use super::{Fit, Measured, Options, Study, StudyCase, StudyError, Variant, cost::Cost};
 
 /// A recommendation with its grounds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,7 +36,7 @@ pub struct Forecast {
 ///
 /// # Errors
 /// [`StudyError::Unsuited`] as the study of cost.
-pub fn calibration(subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+pub fn calibration(subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
     Cost.variants(
         subject,
         &Options {
@@ -58,7 +58,11 @@ pub fn compare_costs(runs: &mut [Measured]) {
 ///
 /// # Errors
 /// [`StudyError::Unsuited`] if no run of the calibration reached its end.
-pub fn forecast(subject: &Subject, runs: &[Measured], error: f64) -> Result<Forecast, StudyError> {
+pub fn forecast(
+    subject: &StudyCase,
+    runs: &[Measured],
+    error: f64,
+) -> Result<Forecast, StudyError> {
     let mut methods: BTreeMap<String, Vec<&Measured>> = BTreeMap::new();
     for run in runs.iter().filter(|run| run.resolved()) {
         methods.entry(run.variant.method()).or_default().push(run);
@@ -92,7 +96,10 @@ pub fn forecast(subject: &Subject, runs: &[Measured], error: f64) -> Result<Fore
         tolerance: best.tolerance,
         command: command(subject, best),
         seconds: best.seconds,
-        interval: (best.seconds / best.doubt, best.seconds * best.doubt),
+        interval: (
+            best.seconds / best.uncertainty,
+            best.seconds * best.uncertainty,
+        ),
         confidence: best.confidence(),
         runs: runs.len(),
         others,
@@ -106,7 +113,7 @@ struct Guess {
     tolerance: Option<f64>,
     seconds: f64,
     /// Factor of the interval.
-    doubt: f64,
+    uncertainty: f64,
     /// Points asked for over the most that were run.
     beyond: f64,
     overrides: Vec<String>,
@@ -116,7 +123,7 @@ struct Guess {
 fn guesses<'a>(
     runs: &'a [&'a Measured],
     error: f64,
-    subject: &'a Subject,
+    subject: &'a StudyCase,
 ) -> impl Iterator<Item = Guess> + 'a {
     let mut tolerances: Vec<u64> = runs
         .iter()
@@ -168,7 +175,7 @@ fn guesses<'a>(
             spacing,
             tolerance: Some(finest.variant.value("tolerance")).filter(|t| t.is_finite()),
             seconds: known.map_or(expected, |run| run.seconds()),
-            doubt: if known.is_some() {
+            uncertainty: if known.is_some() {
                 1.3
             } else {
                 1.3 * ratio.powf(spread)
@@ -193,13 +200,13 @@ impl Guess {
 }
 
 /// A spacing that divides the domain, not above the one wanted.
-fn guess_spacing(subject: &Subject, wanted: f64) -> f64 {
+fn guess_spacing(subject: &StudyCase, wanted: f64) -> f64 {
     subject
         .grid_within(wanted)
         .map_or(wanted, |grid| grid.spacing)
 }
 
-fn command(subject: &Subject, guess: &Guess) -> String {
+fn command(subject: &StudyCase, guess: &Guess) -> String {
     let mut words = vec![format!("perifrac run {}", subject.scene)];
     let grid = subject
         .grid_within(guess.spacing)

@@ -1,7 +1,7 @@
 //! Pages that need nothing but themselves: no network, no script.
 
-use super::findings::{Findings, Section, Table, count, plain, seconds, short};
-use super::{Machine, Measured, Subject};
+use super::findings::{ReportContent, Section, Table, count, plain, seconds, short};
+use super::{Machine, Measured, StudyCase};
 
 /// Screen, phone, print; colours of text and lines only, the drawings bring their own.
 const STYLE: &str = "\
@@ -115,9 +115,9 @@ fn section(section: &Section) -> String {
 /// The report of a study.
 pub(super) fn study_page(
     kind: &str,
-    subject: &Subject,
+    subject: &StudyCase,
     machine: &Machine,
-    findings: &Findings,
+    findings: &ReportContent,
     runs: &[Measured],
     complete: bool,
 ) -> String {

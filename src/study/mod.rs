@@ -2,7 +2,7 @@
 //!
 //! A [`Study`] names its [`Variant`]s. A [`Campaign`] runs each as a child process, measures it and
 //! keeps it in a [`Log`], so that an interrupted study goes on where it stopped. From the rows the
-//! study draws its [`Findings`], which become `KIND.csv`, `report.json` and a `report.html` that needs
+//! study draws its [`ReportContent`], which become `KIND.csv`, `report.json` and a `report.html` that needs
 //! no network. A new kind is one file and one line in [`study`].
 
 mod analysis;
@@ -28,18 +28,18 @@ mod variant;
 
 use std::path::Path;
 
-pub use analysis::{Fit, Grounds, Reach, median, pareto, reach};
+pub use analysis::{Basis, CostToAccuracy, Fit, median, pareto, reach};
 pub use campaign::{Campaign, Watcher};
 pub use error::StudyError;
-pub use findings::{Findings, Section, Table};
+pub use findings::{ReportContent, Section, Table};
 pub use forecast::{calibration, compare_costs, forecast};
 pub use log::{Log, Row, Status};
 pub use machine::Machine;
 pub use measured::{Compared, Measured};
-pub use profile::Kept;
+pub use profile::RecordedOutput;
 pub use runner::Runner;
 pub use single::report_run;
-pub use subject::{Grid, Subject};
+pub use subject::{Grid, StudyCase};
 pub use variant::{Method, Variant};
 
 use crate::output::{write_atomically, write_json};
@@ -73,13 +73,13 @@ pub trait Study {
     ///
     /// # Errors
     /// [`StudyError::Unsuited`] if the case has not what the study varies.
-    fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError>;
+    fn variants(&self, subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError>;
 
     /// Gives runs the errors that only a comparison of runs can tell.
     fn compare(&self, _: &mut [Measured]) {}
 
     /// What the runs show.
-    fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings;
+    fn findings(&self, subject: &StudyCase, runs: &[Measured]) -> ReportContent;
 
     /// Repetitions without a wish of the user: more where seconds are compared.
     fn repetitions(&self) -> u32 {
@@ -108,7 +108,7 @@ pub const NAMES: [&str; 4] = ["cost", "contrast", "stability", "convergence"];
 pub fn write_report(
     folder: &Path,
     study: &dyn Study,
-    subject: &Subject,
+    subject: &StudyCase,
     runs: &[Measured],
     complete: bool,
 ) -> Result<serde_json::Value, StudyError> {

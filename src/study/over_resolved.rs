@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::findings::short;
-use super::{Measured, Options, Subject, Variant, profile};
+use super::{Measured, Options, StudyCase, Variant, profile};
 use crate::plan::{Plan, TimeMode};
 
 /// Value of a variant that is one of a chain of over-resolved runs: 0 for the coarsest.
@@ -15,9 +15,9 @@ pub const LEVELS: i32 = 3;
 pub const SECOND_ORDER: f64 = 4.0;
 /// What is believed of a chain of two runs, which cannot tell: theory needs smooth fields.
 const FIRST_ORDER: f64 = 2.0;
-/// Least fall that is believed: what falls more slowly would make any doubt look small.
+/// Least fall that is believed: what falls more slowly would make any uncertainty look small.
 pub const LEAST_FALL: f64 = 1.5;
-/// Errors below so many times the doubt are not resolved.
+/// Errors below so many times the uncertainty are not resolved.
 pub const RESOLVED: f64 = 3.0;
 
 /// Distance of the second field from the first, relative to the first.
@@ -29,7 +29,7 @@ pub struct OverResolved<'a> {
     /// The finest of its chain that reached its end.
     pub run: &'a Measured,
     /// Estimate of its own error per field, relative as the distances are; empty if it stands alone.
-    pub doubt: BTreeMap<String, f64>,
+    pub uncertainty: BTreeMap<String, f64>,
     /// By how much the error falls from run to run of the chain, the least of all fields; `None` if
     /// there were only two.
     pub fall: Option<f64>,
@@ -46,7 +46,7 @@ impl<'a> OverResolved<'a> {
         let (run, coarser) = chain.split_first()?;
         let alone = OverResolved {
             run,
-            doubt: BTreeMap::new(),
+            uncertainty: BTreeMap::new(),
             fall: None,
             norm,
         };
@@ -54,16 +54,16 @@ impl<'a> OverResolved<'a> {
             return Some(alone);
         };
         let far = coarser.get(1).map(|run| alone.distances(run));
-        let (mut doubt, mut least) = (BTreeMap::new(), None);
+        let (mut uncertainty, mut least) = (BTreeMap::new(), None);
         for (field, near) in alone.distances(next) {
             let seen = far.as_ref().and_then(|far| far.get(&field));
             let seen = seen.map(|far| far / near - 1.0).filter(|q| q.is_finite());
             let fall = seen.map_or(assumed, |q| q.clamp(LEAST_FALL, SECOND_ORDER));
-            doubt.insert(field, near / (fall - 1.0));
+            uncertainty.insert(field, near / (fall - 1.0));
             least = [least, seen].into_iter().flatten().reduce(f64::min);
         }
         Some(OverResolved {
-            doubt,
+            uncertainty,
             fall: least,
             ..alone
         })
@@ -77,7 +77,7 @@ impl<'a> OverResolved<'a> {
             .collect();
         let level = |run: &Measured| run.variant.value(LEVEL);
         chain.sort_by(|a, b| level(b).total_cmp(&level(a)));
-        Self::of(&chain, profile::over_range, FIRST_ORDER).filter(|it| !it.doubt.is_empty())
+        Self::of(&chain, profile::over_range, FIRST_ORDER).filter(|it| !it.uncertainty.is_empty())
     }
 
     /// Distance of a run per field, the largest of all outputs; fields it lacks are left out.
@@ -94,18 +94,18 @@ impl<'a> OverResolved<'a> {
         distances
     }
 
-    /// The largest doubt of all fields.
+    /// The largest uncertainty of all fields.
     pub fn largest_doubt(&self) -> f64 {
-        self.doubt.values().copied().fold(f64::NAN, f64::max)
+        self.uncertainty.values().copied().fold(f64::NAN, f64::max)
     }
 
-    /// Its doubts in words; `None` if it stands alone.
+    /// Its uncertainties in words; `None` if it stands alone.
     pub fn verdict(&self) -> Option<String> {
-        let doubts = self.doubt.iter();
-        let doubts: Vec<String> = doubts
-            .map(|(field, doubt)| format!("{field} {}", short(*doubt)))
+        let uncertainties = self.uncertainty.iter();
+        let uncertainties: Vec<String> = uncertainties
+            .map(|(field, uncertainty)| format!("{field} {}", short(*uncertainty)))
             .collect();
-        (!doubts.is_empty()).then(|| doubts.join(", "))
+        (!uncertainties.is_empty()).then(|| uncertainties.join(", "))
     }
 }
 
@@ -126,7 +126,7 @@ pub fn is_level(variant: &Variant) -> bool {
 ///
 /// With errors of second order the finest run of the study is fifteen times as wrong as the last of
 /// the chain; a run twice as fine as it would not tell its error from its own.
-pub fn chain(subject: &Subject, along: usize, least: f64) -> Vec<Variant> {
+pub fn chain(subject: &StudyCase, along: usize, least: f64) -> Vec<Variant> {
     let methods = subject.methods(&Options::default());
     let best = methods.iter().find(|method| method.order() > 1.5);
     let Some(method) = best.or(methods.first()) else {
@@ -241,7 +241,7 @@ mod tests {
         assert!(OverResolved::among(&runs[..1]).is_none());
     }
 
-    /// What does not fall is not extrapolated to a small doubt.
+    /// What does not fall is not extrapolated to a small uncertainty.
     #[test]
     fn a_chain_that_does_not_converge_is_doubted() {
         let runs = [run(0.0, 1e-3), run(1.0, -1e-3), run(2.0, 1e-3)];

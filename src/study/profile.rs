@@ -13,7 +13,7 @@ pub const HIGHEST: &str = "highest pressure";
 
 /// Which fields of a run are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Kept {
+pub enum RecordedOutput {
     /// None.
     #[default]
     Nothing,
@@ -39,12 +39,12 @@ type Fields = BTreeMap<(u64, String), Vec<f64>>;
 /// The fields of a run that are to be kept, exact solutions left out; at outputs with their times.
 ///
 /// What cannot be read is left out: the study then has fewer fields.
-pub fn fields(folder: &Path, kept: Kept) -> Vec<(String, Vec<f64>)> {
+pub fn fields(folder: &Path, kept: RecordedOutput) -> Vec<(String, Vec<f64>)> {
     let start = match kept {
-        Kept::Nothing => return Vec::new(),
-        Kept::Extremes => return extremes(&folder.join("history.csv")),
-        Kept::End => "profile-".to_owned(),
-        Kept::Outputs => format!("profile-{SAMPLE}"),
+        RecordedOutput::Nothing => return Vec::new(),
+        RecordedOutput::Extremes => return extremes(&folder.join("history.csv")),
+        RecordedOutput::End => "profile-".to_owned(),
+        RecordedOutput::Outputs => format!("profile-{SAMPLE}"),
     };
     let mut fields = Fields::new();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -60,7 +60,7 @@ pub fn fields(folder: &Path, kept: Kept) -> Vec<(String, Vec<f64>)> {
     let last = fields.keys().map(|(time, _)| *time).max();
     let named = fields.into_iter().filter_map(|((time, field), values)| {
         let name = match kept {
-            Kept::Outputs => format!("{field}{AT}{:.6e}", f64::from_bits(time)),
+            RecordedOutput::Outputs => format!("{field}{AT}{:.6e}", f64::from_bits(time)),
             _ => (Some(time) == last).then_some(field)?,
         };
         Some((name, values))
@@ -153,16 +153,16 @@ mod tests {
             "time_s,distance_m,pressure_Pa,pressure_exact_Pa\n1,0,5,0\n1,1,6,0\n2,0,7,0\n2,1,8,0\n";
         write("profile-own.csv", table);
         write("profile-sample-0.csv", table);
-        let end = fields(folder.path(), Kept::End);
+        let end = fields(folder.path(), RecordedOutput::End);
         assert_eq!(end, [("pressure".to_owned(), vec![7.0, 8.0, 7.0, 8.0])]);
-        let all = fields(folder.path(), Kept::Outputs);
+        let all = fields(folder.path(), RecordedOutput::Outputs);
         assert_eq!(
             all[0],
             ("pressure at 1.000000e0".to_owned(), vec![5.0, 6.0])
         );
         assert_eq!(all.len(), 2);
         assert_eq!(field(&all[1].0), "pressure");
-        assert!(fields(folder.path(), Kept::Nothing).is_empty());
+        assert!(fields(folder.path(), RecordedOutput::Nothing).is_empty());
     }
 
     #[test]

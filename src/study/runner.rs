@@ -13,7 +13,7 @@ use crate::run::Interrupt;
 
 /// What a child process did.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ended {
+pub struct RunOutcome {
     /// Exit code; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Wall time from start to end, s.
@@ -72,7 +72,7 @@ impl Runner {
         folder: &Path,
         limit: Duration,
         interrupt: &Interrupt,
-    ) -> Result<Option<Ended>, StudyError> {
+    ) -> Result<Option<RunOutcome>, StudyError> {
         let printed = |name: &str| std::fs::File::create(folder.join(name));
         let mut command = Command::new(&self.program);
         command.arg("run").arg(&self.scene);
@@ -96,7 +96,7 @@ impl Runner {
         }
         let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
         let timed_out = stopped == Some(Stopped::TooLong);
-        Ok(Some(Ended {
+        Ok(Some(RunOutcome {
             code: status.code(),
             wall_s,
             cpu_s: (rusage.utime + rusage.stime).as_secs_f64(),

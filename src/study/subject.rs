@@ -7,7 +7,7 @@ use super::{Method, Options};
 
 /// What a study is about.
 #[derive(Debug, Clone)]
-pub struct Subject {
+pub struct StudyCase {
     /// Path or name of the case, as typed.
     pub scene: String,
     /// Overrides of all runs.
@@ -31,14 +31,14 @@ pub struct Grid {
     pub overrides: Option<String>,
 }
 
-impl Subject {
+impl StudyCase {
     /// The case as typed, with the overrides of all runs.
     pub fn new(scene: &str, loaded: &LoadedScene, plan: Plan, overrides: Vec<String>) -> Self {
         let lattice = match &loaded.scene.geometry.value {
             Geometry::Lattice(lattice) => lattice.spacing.is_some(),
             _ => false,
         };
-        Subject {
+        StudyCase {
             scene: scene.to_owned(),
             overrides,
             plan,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::profile::Kept;
+use super::profile::RecordedOutput;
 
 /// One of the runs of a study: what it is called and which keys of the scene it sets.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,7 +21,7 @@ pub struct Variant {
     /// sisters are skipped.
     pub weight: f64,
     /// Which of its fields are kept, to compare runs with each other.
-    pub kept: Kept,
+    pub kept: RecordedOutput,
     /// Whether one run is enough, because its seconds do not matter.
     pub once: bool,
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use perifrac::model::Model;
 use perifrac::report::Timers;
 use perifrac::schemes::BlockMatrix;
-use perifrac_solvers::{CsrMatrix, CsrView, Team, thread_team};
+use perifrac_solvers::{Communicator, CsrMatrix, CsrView, thread_team};
 
 use crate::support::plan;
 
@@ -76,7 +76,7 @@ fn assert_same_answers<const D: usize>(case: &str, overrides: &[&str]) {
     }
 }
 
-fn share<const D: usize>(plan: &perifrac::plan::Plan, member: &Arc<dyn Team>) -> Model<D> {
+fn share<const D: usize>(plan: &perifrac::plan::Plan, member: &Arc<dyn Communicator>) -> Model<D> {
     Model::build_with(plan, Some(member), &mut Timers::default()).unwrap()
 }
 
@@ -107,7 +107,7 @@ fn compare_rows<const D: usize>(
     let largest = whole.data().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     for row in 0..whole.rows() {
         let own = found.outer_view(row).unwrap();
-        if !share.share().owns(row / per_point) {
+        if !share.subdomain().owns(row / per_point) {
             assert_eq!(own.nnz(), 0, "row {row} is another process's");
             continue;
         }

@@ -72,7 +72,7 @@ pub enum Comm {
     /// Only this process.
     Own,
     /// All processes of the team.
-    Team,
+    Communicator,
 }
 
 /// What is known of the library in use.
@@ -283,7 +283,7 @@ impl Session {
     pub(crate) fn comm(&self, comm: Comm) -> MPI_Comm {
         match comm {
             Comm::Own => self.own,
-            Comm::Team => self.team,
+            Comm::Communicator => self.team,
         }
     }
 
@@ -291,7 +291,7 @@ impl Session {
     pub(crate) fn size(&self, comm: Comm) -> usize {
         match comm {
             Comm::Own => 1,
-            Comm::Team => self.info.size,
+            Comm::Communicator => self.info.size,
         }
     }
 

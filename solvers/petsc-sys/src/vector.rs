@@ -124,7 +124,7 @@ impl Gather {
     /// # Errors
     /// [`PetscError::Call`], [`PetscError::Input`].
     pub fn new(session: &'static Session, length: usize) -> Result<Self, PetscError> {
-        let part = Vector::new(session, Comm::Team, length, 1)?;
+        let part = Vector::new(session, Comm::Communicator, length, 1)?;
         let (mut scatter, mut raw) = (std::ptr::null_mut(), std::ptr::null_mut());
         // SAFETY: a live vector and valid places.
         unsafe {

@@ -99,7 +99,7 @@ impl Layout {
 
     pub(crate) fn comm(&self) -> Comm {
         match self.renumbered {
-            Some(_) => Comm::Team,
+            Some(_) => Comm::Communicator,
             None => Comm::Own,
         }
     }

@@ -1,4 +1,4 @@
-//! The processes that MPI started, as a [`Team`].
+//! The processes that MPI started, as a [`Communicator`].
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use perifrac_petsc_sys::{Gather, Parked, PetscError, abort, run};
 
 use super::petsc_status;
-use crate::{SolveError, Team};
+use crate::{Communicator, SolveError};
 
 /// Layouts of which the exchange is kept.
 const KEPT: usize = 64;
@@ -25,7 +25,7 @@ struct MpiTeam {
 ///
 /// # Errors
 /// [`SolveError::Unavailable`] without PETSc.
-pub fn petsc_team() -> Result<Arc<dyn Team>, SolveError> {
+pub fn petsc_team() -> Result<Arc<dyn Communicator>, SolveError> {
     let status = petsc_status()?;
     Ok(Arc::new(MpiTeam {
         rank: status.process,
@@ -55,7 +55,7 @@ impl MpiTeam {
     }
 }
 
-impl Team for MpiTeam {
+impl Communicator for MpiTeam {
     fn rank(&self) -> usize {
         self.rank
     }

@@ -26,7 +26,7 @@ pub use targets::{boundary_layer, side_layer, surface_layer};
 use super::{Pattern, PatternError};
 use crate::geometry::{Side, Vector, Voids};
 use crate::operators::{
-    Extension, Gradient, Hourglass, Neighbourhood, column_sums, family_gradient,
+    Gradient, Hourglass, MirrorContinuation, Neighbourhood, column_sums, family_gradient,
 };
 
 /// What the correction achieved.
@@ -123,7 +123,7 @@ pub fn consistent_gradient<const D: usize>(
 /// Column sums of one component of the gradient.
 fn component_sums<const D: usize>(
     around: &Neighbourhood<D>,
-    natural: &Extension<D>,
+    natural: &MirrorContinuation<D>,
     weight: &[Vector<D>],
     axis: usize,
 ) -> Vec<f64> {
@@ -145,7 +145,7 @@ fn relative<const D: usize>(around: &Neighbourhood<D>, sums: &[f64]) -> f64 {
 /// Adds ω V_j (R λ)_b to one component of the weights.
 fn add_correction<const D: usize>(
     around: &Neighbourhood<D>,
-    natural: &Extension<D>,
+    natural: &MirrorContinuation<D>,
     lambda: &[f64],
     axis: usize,
     weight: &mut [Vector<D>],

@@ -4,7 +4,7 @@ use perifrac_solvers::{Coordinates, CsrView, Problem, SolverSpec, Symmetry, mult
 
 use super::ConsistencyError;
 use crate::assembly::{Pattern, Refill, scalar};
-use crate::operators::{BondForm, Extension, Hourglass};
+use crate::operators::{BondForm, Hourglass, MirrorContinuation};
 
 /// Shift of the diagonal against rounding errors in the factor, relative to it.
 const SHIFT: f64 = 1e-13;
@@ -28,7 +28,7 @@ const DISTRIBUTED: &str = "petsc:-ksp_type preonly -pc_type cholesky";
 /// λ with A λ = rhs, by a factor of the shifted matrix and refinement with the true one.
 pub(super) fn multipliers<const D: usize>(
     form: &Hourglass<D>,
-    natural: &Extension<D>,
+    natural: &MirrorContinuation<D>,
     pattern: &Pattern,
     rhs: &[f64],
     shift: f64,

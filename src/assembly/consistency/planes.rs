@@ -1,7 +1,7 @@
 //! What the planes of a cloud do to the components of the corrected gradient.
 
 use crate::geometry::Side;
-use crate::operators::{Extension, Neighbourhood, Parity};
+use crate::operators::{MirrorContinuation, Neighbourhood, Parity};
 
 /// What the planes of a cloud do to the field whose gradient is corrected.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,7 +22,7 @@ impl Planes {
     }
 
     /// Planes of a vector field whose components have the given continuations.
-    pub fn of<const D: usize>(components: &[Extension<D>]) -> Self {
+    pub fn of<const D: usize>(components: &[MirrorContinuation<D>]) -> Self {
         let all = |wanted: Parity| {
             let has = |side: Side| components.iter().all(|own| own.parity(side) == wanted);
             Side::all(D).map(has).collect()
@@ -50,10 +50,10 @@ pub fn natural_extension<const D: usize>(
     around: &Neighbourhood<D>,
     axis: usize,
     planes: &Planes,
-) -> Extension<D> {
+) -> MirrorContinuation<D> {
     let parity: Vec<Parity> = Side::all(D).map(|side| planes.parity(axis, side)).collect();
     let places: Vec<f64> = Side::all(D)
         .map(|side| around.cloud.domain.plane(side))
         .collect();
-    Extension::new(&around.families.images, &parity, &places)
+    MirrorContinuation::new(&around.families.images, &parity, &places)
 }

@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::Lame;
 use crate::geometry::Matrix;
 
-pub use tangent::{Softening, Tangent};
+pub use tangent::{Tangent, TangentKind};
 
 /// Splits of the elastic energy into what breaks the rock and what does not (Eq. 24).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -66,9 +66,9 @@ pub struct DamageLaw<const D: usize> {
     pub hourglass: HourglassRule,
 }
 
-/// What a point with damage answers to a strain.
+/// How a point with damage responds to a strain.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointAnswer<const D: usize> {
+pub struct PointResponse<const D: usize> {
     /// Effective stress, Pa; it does work on strains.
     pub stress: Matrix<D>,
     /// Driving energy D, J/m³.
@@ -107,32 +107,32 @@ impl<const D: usize> DamageLaw<D> {
     }
 
     /// Part of a hourglass energy that drives damage.
-    pub fn driving_part(&self, rough: f64) -> f64 {
+    pub fn driving_part(&self, hourglass_energy: f64) -> f64 {
         match self.hourglass {
-            HourglassRule::Variational => rough,
+            HourglassRule::Variational => hourglass_energy,
             HourglassRule::Linear => 0.0,
         }
     }
 
-    /// Answer to `strain` and to a hourglass energy density `rough` (J/m³) of a point that has seen
+    /// Response to `strain` and to a hourglass energy density (J/m³) of a point that has seen
     /// `history`.
-    pub fn answer(
+    pub fn response(
         &self,
         lame: Lame,
         toughness: f64,
         history: f64,
         strain: &Matrix<D>,
-        rough: f64,
-    ) -> PointAnswer<D> {
+        hourglass_energy: f64,
+    ) -> PointResponse<D> {
         let parts = self.parts(lame, strain);
-        let driving = parts.driving + self.driving_part(rough);
+        let driving = parts.tensile_energy + self.driving_part(hourglass_energy);
         let damage = self.damage(history.max(driving), toughness);
         let left = self.degradation(damage);
-        PointAnswer {
-            stress: parts.breaking * left + parts.lasting,
+        PointResponse {
+            stress: parts.degraded_stress * left + parts.intact_stress,
             driving,
             damage,
-            energy: left * driving + parts.resting + toughness * damage * damage,
+            energy: left * driving + parts.compressive_energy + toughness * damage * damage,
         }
     }
 }

@@ -7,27 +7,27 @@ use crate::material::eigen::eigen;
 
 /// The parts of energy and stress of a strain, not degraded.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parts<const D: usize> {
+pub struct SplitEnergies<const D: usize> {
     /// D = ψ⁺ + σ⁰:ε, J/m³.
-    pub driving: f64,
+    pub tensile_energy: f64,
     /// ψ⁻, J/m³.
-    pub resting: f64,
+    pub compressive_energy: f64,
     /// σ⁺ + σ⁰, Pa.
-    pub breaking: Matrix<D>,
+    pub degraded_stress: Matrix<D>,
     /// σ⁻, Pa.
-    pub lasting: Matrix<D>,
+    pub intact_stress: Matrix<D>,
 }
 
 impl<const D: usize> DamageLaw<D> {
     /// Splits energy and stress of a strain (plane strain in 2-D).
-    pub fn parts(&self, lame: Lame, strain: &Matrix<D>) -> Parts<D> {
+    pub fn parts(&self, lame: Lame, strain: &Matrix<D>) -> SplitEnergies<D> {
         let mut parts = match self.split {
             EnergySplit::Spectral => spectral(lame, strain),
             EnergySplit::VolumetricDeviatoric => volumetric(lame, strain),
             EnergySplit::None => whole(lame, strain),
         };
-        parts.driving += self.prestress.dot(strain);
-        parts.breaking += self.prestress;
+        parts.tensile_energy += self.prestress.dot(strain);
+        parts.degraded_stress += self.prestress;
         parts
     }
 }
@@ -49,18 +49,18 @@ impl<const D: usize> DamageLaw<D> {
     }
 }
 
-fn whole<const D: usize>(lame: Lame, strain: &Matrix<D>) -> Parts<D> {
+fn whole<const D: usize>(lame: Lame, strain: &Matrix<D>) -> SplitEnergies<D> {
     let stress = lame.stress(strain);
-    Parts {
-        driving: 0.5 * stress.dot(strain),
-        resting: 0.0,
-        breaking: stress,
-        lasting: Matrix::zeros(),
+    SplitEnergies {
+        tensile_energy: 0.5 * stress.dot(strain),
+        compressive_energy: 0.0,
+        degraded_stress: stress,
+        intact_stress: Matrix::zeros(),
     }
 }
 
 /// Positive and negative principal strains; the third one of plane strain is zero.
-fn spectral<const D: usize>(lame: Lame, strain: &Matrix<D>) -> Parts<D> {
+fn spectral<const D: usize>(lame: Lame, strain: &Matrix<D>) -> SplitEnergies<D> {
     let Lame { lambda, mu } = lame;
     let (values, vectors) = eigen(strain);
     let opened = values.map(|value| value.max(0.0));
@@ -69,25 +69,25 @@ fn spectral<const D: usize>(lame: Lame, strain: &Matrix<D>) -> Parts<D> {
     let closed = values - opened;
     let stress =
         |part: Matrix<D>, trace: f64| part * (2.0 * mu) + Matrix::identity() * (lambda * trace);
-    Parts {
-        driving: 0.5 * lambda * up * up + mu * opened.norm_squared(),
-        resting: 0.5 * lambda * down * down + mu * closed.norm_squared(),
-        breaking: stress(positive, up),
-        lasting: stress(strain - positive, down),
+    SplitEnergies {
+        tensile_energy: 0.5 * lambda * up * up + mu * opened.norm_squared(),
+        compressive_energy: 0.5 * lambda * down * down + mu * closed.norm_squared(),
+        degraded_stress: stress(positive, up),
+        intact_stress: stress(strain - positive, down),
     }
 }
 
 /// Expansion and the deviator, which in plane strain has a part across the plane.
-fn volumetric<const D: usize>(lame: Lame, strain: &Matrix<D>) -> Parts<D> {
+fn volumetric<const D: usize>(lame: Lame, strain: &Matrix<D>) -> SplitEnergies<D> {
     let bulk = lame.lambda + 2.0 / 3.0 * lame.mu;
     let trace = strain.trace();
     let deviator = strain - Matrix::identity() * (trace / 3.0);
     let shape = strain.norm_squared() - trace * trace / 3.0;
     let (up, down) = (trace.max(0.0), trace.min(0.0));
-    Parts {
-        driving: 0.5 * bulk * up * up + lame.mu * shape,
-        resting: 0.5 * bulk * down * down,
-        breaking: Matrix::identity() * (bulk * up) + deviator * (2.0 * lame.mu),
-        lasting: Matrix::identity() * (bulk * down),
+    SplitEnergies {
+        tensile_energy: 0.5 * bulk * up * up + lame.mu * shape,
+        compressive_energy: 0.5 * bulk * down * down,
+        degraded_stress: Matrix::identity() * (bulk * up) + deviator * (2.0 * lame.mu),
+        intact_stress: Matrix::identity() * (bulk * down),
     }
 }

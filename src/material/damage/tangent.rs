@@ -22,13 +22,13 @@ pub struct Tangent<const D: usize> {
 
 /// How much of the damage that a strain brings enters the tangent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Softening {
+pub enum TangentKind {
     /// None: the tangent at fixed damage, positive.
-    Fixed,
+    Secant,
     /// As much as leaves the tangent of every point positive.
     Bounded,
     /// All: the exact tangent, which may be indefinite.
-    Exact,
+    Consistent,
 }
 
 /// Share of the positive part of a tangent that bounded softening may take.
@@ -100,7 +100,7 @@ impl<const D: usize> DamageLaw<D> {
         toughness: f64,
         (history, driving): (f64, f64),
         strain: &Matrix<D>,
-        softening: Softening,
+        softening: TangentKind,
     ) -> Tangent<D> {
         let parts = self.parts(lame, strain);
         let damage = self.damage(history.max(driving), toughness);
@@ -113,19 +113,23 @@ impl<const D: usize> DamageLaw<D> {
                 mu: left * lame.mu,
             }),
         };
-        if driving > history && softening != Softening::Fixed {
+        if driving > history && softening != TangentKind::Secant {
             let kept = 1.0 - self.residual_stiffness;
             let exact = 2.0 * kept * kept * (1.0 - damage).powi(3) / toughness;
             // S:C⁻¹:S is at most this, C being the positive part of the tangent without its factor.
-            let size = parts.breaking.norm_squared() / (2.0 * lame.mu);
+            let size = parts.degraded_stress.norm_squared() / (2.0 * lame.mu);
             let pure = self.prestress.norm_squared() <= 0.0;
-            let size = if pure { 2.0 * parts.driving } else { size };
+            let size = if pure {
+                2.0 * parts.tensile_energy
+            } else {
+                size
+            };
             // The same of hourglass energy, a square too.
-            let size = size + 2.0 * (driving - parts.driving).max(0.0);
+            let size = size + 2.0 * (driving - parts.tensile_energy).max(0.0);
             let bound = BOUND * left / size.max(f64::MIN_POSITIVE);
-            tangent.direction = parts.breaking;
+            tangent.direction = parts.degraded_stress;
             tangent.softening = match softening {
-                Softening::Bounded => -exact.min(bound),
+                TangentKind::Bounded => -exact.min(bound),
                 _ => -exact,
             };
         }

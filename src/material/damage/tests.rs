@@ -32,13 +32,13 @@ fn symmetric<const D: usize>(entries: &[f64]) -> Matrix<D> {
 
 /// The stress is the derivative of the energy, and the exact tangent that of the stress.
 fn check<const D: usize>(law: &DamageLaw<D>, history: f64, strain: &Matrix<D>, way: &Matrix<D>) {
-    let answer = |e: &Matrix<D>| law.answer(ROCK, TOUGHNESS, history, e, 0.0);
+    let response = |e: &Matrix<D>| law.response(ROCK, TOUGHNESS, history, e, 0.0);
     let step = 1e-6;
     let (ahead, behind) = (
-        answer(&(strain + way * step)),
-        answer(&(strain - way * step)),
+        response(&(strain + way * step)),
+        response(&(strain - way * step)),
     );
-    let here = answer(strain);
+    let here = response(strain);
     let slope = (ahead.energy - behind.energy) / (2.0 * step);
     let scale = ROCK.mu * strain.norm() * way.norm();
     assert!(
@@ -50,7 +50,7 @@ fn check<const D: usize>(law: &DamageLaw<D>, history: f64, strain: &Matrix<D>, w
         TOUGHNESS,
         (history, here.driving),
         strain,
-        Softening::Exact,
+        TangentKind::Consistent,
     );
     let slope = (ahead.stress - behind.stress) / (2.0 * step);
     let error = (slope - tangent.stress(way)).amax();
@@ -100,9 +100,9 @@ proptest! {
         let (strain, way) = (symmetric::<3>(&entries), symmetric::<3>(&way));
         let law = law(SPLITS[split], 0.0);
         for strain in [strain, way * 1e-3] {
-            let driving = law.parts(ROCK, &strain).driving;
+            let driving = law.parts(ROCK, &strain).tensile_energy;
             let tangent =
-                law.tangent(ROCK, TOUGHNESS, (0.0, driving), &strain, Softening::Bounded);
+                law.tangent(ROCK, TOUGHNESS, (0.0, driving), &strain, TangentKind::Bounded);
             prop_assert!(tangent.stress(&way).dot(&way) > 0.0);
         }
     }
@@ -115,8 +115,8 @@ proptest! {
         let strain = symmetric::<2>(&entries);
         let parts = law(SPLITS[split], 0.0).parts(ROCK, &strain);
         let stress = ROCK.stress(&strain);
-        prop_assert!((parts.breaking + parts.lasting - stress).amax() < 1e-6 * stress.norm());
-        let whole = parts.driving + parts.resting;
+        prop_assert!((parts.degraded_stress + parts.intact_stress - stress).amax() < 1e-6 * stress.norm());
+        let whole = parts.tensile_energy + parts.compressive_energy;
         prop_assert!((whole - 0.5 * stress.dot(&strain)).abs() < 1e-12 * whole);
     }
 }
@@ -126,8 +126,8 @@ proptest! {
 fn unloading_keeps_the_damage() {
     let law = law::<2>(EnergySplit::Spectral, 0.0);
     let strain = Matrix::from_diagonal(&Vector::<2>::new(1e-3, 5e-4));
-    let loaded = law.answer(ROCK, TOUGHNESS, 0.0, &(strain * 3.0), 0.0);
-    let back = law.answer(ROCK, TOUGHNESS, loaded.driving, &strain, 0.0);
+    let loaded = law.response(ROCK, TOUGHNESS, 0.0, &(strain * 3.0), 0.0);
+    let back = law.response(ROCK, TOUGHNESS, loaded.driving, &strain, 0.0);
     assert!((back.damage - loaded.damage).abs() < 1e-15);
     assert!((back.stress * 3.0 - loaded.stress).amax() < 1e-6);
     check(&law, loaded.driving, &strain, &Matrix::identity());
@@ -139,9 +139,9 @@ fn closed_cracks_carry_compression() {
     let law = law::<2>(EnergySplit::Spectral, 0.0);
     let strain = Matrix::from_diagonal(&Vector::<2>::new(-1e-3, -2e-3));
     let broken = law.history(0.999, TOUGHNESS);
-    let answer = law.answer(ROCK, TOUGHNESS, broken, &strain, 0.0);
-    assert!((answer.damage - 0.999).abs() < 1e-12);
-    assert!((answer.stress - ROCK.stress(&strain)).amax() < 1e-3);
+    let response = law.response(ROCK, TOUGHNESS, broken, &strain, 0.0);
+    assert!((response.damage - 0.999).abs() < 1e-12);
+    assert!((response.stress - ROCK.stress(&strain)).amax() < 1e-3);
 }
 
 /// REFERENCES.md, damage bar: σ_c = (3√3/16)√(2EG_c/ℓ) at ε_c = √(2G_c/3Eℓ); ν = 0 and uniaxial strain.
@@ -162,7 +162,7 @@ fn a_bar_breaks_at_the_peak_of_the_closed_form() {
     let strength = 3.0 * 3.0_f64.sqrt() / 16.0 * (2.0 * modulus * TOUGHNESS).sqrt();
     let stress = |strain: f64| {
         let strain = Matrix::from_diagonal(&Vector::<2>::new(strain, 0.0));
-        law.answer(rock, TOUGHNESS, 0.0, &strain, 0.0).stress[(0, 0)]
+        law.response(rock, TOUGHNESS, 0.0, &strain, 0.0).stress[(0, 0)]
     };
     assert!((stress(critical) / strength - 1.0).abs() < 1e-9);
     assert!(stress(0.99 * critical) < strength && stress(1.01 * critical) < strength);
@@ -181,13 +181,16 @@ fn the_stress_across_a_plane_is_that_of_space() {
         for entries in [[1e-3, 4e-4, 4e-4, -3e-4], [-1e-3, 2e-4, 2e-4, 1e-4]] {
             let plane = symmetric::<2>(&entries);
             let space = Matrix::<3>::from_fn(|a, b| if a.max(b) < 2 { plane[(a, b)] } else { 0.0 });
-            let [breaking, lasting] = law::<2>(split, 0.0).across(ROCK, &plane);
+            let [degraded_stress, intact_stress] = law::<2>(split, 0.0).across(ROCK, &plane);
             let parts = law::<3>(split, 0.0).parts(ROCK, &space);
             assert!(
-                (breaking - parts.breaking[(2, 2)]).abs() < 1e-3,
+                (degraded_stress - parts.degraded_stress[(2, 2)]).abs() < 1e-3,
                 "{split:?}"
             );
-            assert!((lasting - parts.lasting[(2, 2)]).abs() < 1e-3, "{split:?}");
+            assert!(
+                (intact_stress - parts.intact_stress[(2, 2)]).abs() < 1e-3,
+                "{split:?}"
+            );
         }
     }
 }

@@ -79,7 +79,7 @@ pub enum FileError {
     },
     /// The name does not tell a format that is read here.
     #[error("{path}: {found} is not a known format; the known extensions are {known}")]
-    Extension {
+    MirrorContinuation {
         /// The file.
         path: PathBuf,
         /// Its extension.

@@ -91,7 +91,7 @@ fn wrong_extension(path: &Path, found: &str, known: &'static str) -> FileError {
     } else {
         format!("`.{found}`")
     };
-    FileError::Extension {
+    FileError::MirrorContinuation {
         path: path.to_path_buf(),
         found,
         known,

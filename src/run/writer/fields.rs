@@ -44,7 +44,7 @@ pub fn write<const D: usize>(
 ) -> Result<(), OutputError> {
     let mut arrays = arrays(plan, model, state);
     let mut positions = model.cloud.flat_positions();
-    if let Some(partition) = model.share().partition() {
+    if let Some(partition) = model.subdomain().partition() {
         positions = of_points(&positions, D, partition.own());
         for array in &mut arrays {
             array.values = of_points(&array.values, array.components, partition.own()).into();
@@ -182,12 +182,12 @@ fn damaged_stress<const D: usize>(
     initial: &[f64; 6],
 ) -> [f64; 6] {
     let strain = (slope + slope.transpose()) * 0.5;
-    let answer = damage.at(&solid.elastic, &state.history, point, &strain, 0.0);
-    let left = damage.law.degradation(answer.damage);
-    let [breaking, lasting] = damage.law.across(solid.elastic.lame[point], &strain);
+    let response = damage.at(&solid.elastic, &state.history, point, &strain, 0.0);
+    let left = damage.law.degradation(response.damage);
+    let [degraded_stress, intact_stress] = damage.law.across(solid.elastic.lame[point], &strain);
     let component = |k: usize| match TENSOR[k] {
-        (a, b) if a.max(b) < D => answer.stress[(a, b)],
-        (a, b) if a == b => left * (breaking + initial[k]) + lasting,
+        (a, b) if a.max(b) < D => response.stress[(a, b)],
+        (a, b) if a == b => left * (degraded_stress + initial[k]) + intact_stress,
         _ => left * initial[k],
     };
     std::array::from_fn(component)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::fracture::Tracker;
+use super::super::fracture::CrackTracker;
 use super::pictures::{damage_of, shown_points};
 use crate::model::Model;
 use crate::output::{
@@ -18,11 +18,11 @@ const SECONDS_PER_FRAME: f64 = 0.6;
 
 /// Damage at the outputs so far.
 #[derive(Debug, Default)]
-pub struct Film {
+pub struct Animation {
     pub(super) frames: Vec<(f64, Vec<f64>)>,
 }
 
-impl Film {
+impl Animation {
     /// Keeps the damage of an output.
     pub fn record<const D: usize>(&mut self, model: &Model<D>, state: &State) {
         let damage = damage_of(model, state);
@@ -43,7 +43,7 @@ impl Film {
         folder: &Path,
         plan: &Plan,
         model: &Model<D>,
-        tracker: &Tracker,
+        tracker: &CrackTracker,
     ) -> Result<(), OutputError> {
         if self.frames.is_empty() {
             return Ok(());
@@ -97,7 +97,7 @@ fn draw_path<const D: usize>(
     folder: &Path,
     plan: &Plan,
     model: &Model<D>,
-    tracker: &Tracker,
+    tracker: &CrackTracker,
 ) -> Result<(), OutputError> {
     let domain = &model.cloud.domain;
     let corner = |x: &crate::geometry::Vector<D>| [x[0], x[1]];

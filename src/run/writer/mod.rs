@@ -13,7 +13,7 @@ mod staged;
 use std::path::{Path, PathBuf};
 
 use super::Summary;
-use super::fracture::{Fractures, Tracker};
+use super::fracture::{CrackTracker, Fractures};
 use super::rejections::Rejections;
 use crate::model::Model;
 use crate::output::{DRAWS, History, OutputError, Pvd, Table, write_json};
@@ -22,7 +22,7 @@ use crate::report::Balance;
 use crate::schemes::{State, StepReport};
 use cracks::Cracks;
 use folder::Hold;
-use fracture::Film;
+use fracture::Animation;
 use profiles::Profiles;
 pub use restart::WriterRecord;
 pub use staged::StagedFolder;
@@ -38,7 +38,7 @@ pub struct Writer {
     rows: Table,
     profiles: Option<Profiles>,
     cracks: Option<Cracks>,
-    film: Film,
+    film: Animation,
     outputs: usize,
     /// Accepted states so far, the first one included, and of how many one has a row.
     seen: u64,
@@ -79,7 +79,7 @@ impl Writer {
             rows: Table::default(),
             profiles: None,
             cracks: None,
-            film: Film::default(),
+            film: Animation::default(),
             outputs: 0,
             seen: 0,
             stride: 1,
@@ -187,7 +187,7 @@ impl Writer {
             return Ok(());
         }
         self.hold.list()?;
-        let rank = model.share().partition().map(|own| own.team().rank());
+        let rank = model.subdomain().partition().map(|own| own.team().rank());
         let path = self.folder.join(piece_name(number, rank));
         fields::write(&path, plan, model, state)
     }
@@ -207,7 +207,7 @@ impl Writer {
         }
         let number = self.outputs - 1;
         if plan.output.vtu {
-            let path = match model.share().partition() {
+            let path = match model.subdomain().partition() {
                 None => self.folder.join(piece_name(number, None)),
                 Some(partition) => {
                     let ranks = 0..partition.team().size();
@@ -247,7 +247,7 @@ impl Writer {
         &mut self,
         plan: &Plan,
         model: &Model<D>,
-        tracker: &Tracker,
+        tracker: &CrackTracker,
     ) -> Result<(), OutputError> {
         if !plan.output.plots || !self.leads {
             return Ok(());

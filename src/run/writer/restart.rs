@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::fracture::Film;
+use super::fracture::Animation;
 use super::pictures::shown_points;
 use super::{Cracks, Hold, Profiles, Writer, piece_name};
 use crate::model::Model;
@@ -124,11 +124,11 @@ impl Writer {
         plan: &Plan,
         model: &Model<D>,
         record: &WriterRecord,
-    ) -> Result<Film, OutputError> {
+    ) -> Result<Animation, OutputError> {
         let breaks = plan.output.plots && plan.damage.is_some();
         let (true, true, Some(pvd)) = (breaks, plan.output.vtu, &self.pvd) else {
             let frames = record.frames.clone();
-            return Ok(Film { frames });
+            return Ok(Animation { frames });
         };
         let shown = shown_points(model);
         let mut frames = Vec::new();
@@ -142,6 +142,6 @@ impl Writer {
             let of_shown = |point: &usize| damage.get(*point).copied().unwrap_or(0.0);
             frames.push((time, shown.iter().map(of_shown).collect()));
         }
-        Ok(Film { frames })
+        Ok(Animation { frames })
     }
 }

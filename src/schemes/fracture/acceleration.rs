@@ -2,7 +2,7 @@
 
 use perifrac_solvers::{dot, norm2};
 
-use crate::schemes::mixer::smallest;
+use crate::schemes::accelerator::smallest;
 
 /// How far a pass may be carried on beyond its end, in passes: at first, where that has gone well, and by
 /// how much more each time.
@@ -11,23 +11,23 @@ const FARTHEST: f64 = 1e4;
 const FARTHER: f64 = 4.0;
 
 /// Displacements from which passes started, m, and how far they went; the newest last.
-pub struct Acceleration {
+pub struct AndersonAcceleration {
     /// Passes that are remembered.
     pub depth: usize,
     past: Vec<(Vec<f64>, Vec<f64>)>,
     /// How far the last pass of a crack that runs was carried on, in passes.
-    leap: f64,
+    extrapolation: f64,
     /// How far passes may be carried on now, in passes.
     reach: f64,
 }
 
-impl Acceleration {
+impl AndersonAcceleration {
     /// Remembers `depth` passes.
     pub fn new(depth: usize) -> Self {
-        Acceleration {
+        AndersonAcceleration {
             depth,
             past: Vec::new(),
-            leap: 0.0,
+            extrapolation: 0.0,
             reach: LONGEST,
         }
     }
@@ -35,7 +35,7 @@ impl Acceleration {
     /// Forgets all passes.
     pub fn forget(&mut self) {
         self.past.clear();
-        self.leap = 0.0;
+        self.extrapolation = 0.0;
         self.reach = LONGEST;
     }
 
@@ -53,7 +53,7 @@ impl Acceleration {
             return None;
         }
         let on = match self.runs() {
-            true => self.leap(),
+            true => self.extrapolation(),
             false => self.combined(end),
         };
         let length = norm2(&on);
@@ -78,17 +78,17 @@ impl Acceleration {
     }
 
     /// The last pass again, as often as it has gone well.
-    fn leap(&mut self) -> Vec<f64> {
-        self.leap = (2.0 * self.leap).clamp(1.0, LONGEST);
+    fn extrapolation(&mut self) -> Vec<f64> {
+        self.extrapolation = (2.0 * self.extrapolation).clamp(1.0, LONGEST);
         let last = self.past.last();
         last.map_or_else(Vec::new, |(_, went)| {
-            went.iter().map(|w| self.leap * w).collect()
+            went.iter().map(|w| self.extrapolation * w).collect()
         })
     }
 
     /// From `end` to where the combination of the passes that goes least leads.
     fn combined(&mut self, end: &[f64]) -> Vec<f64> {
-        self.leap = 0.0;
+        self.extrapolation = 0.0;
         let residuals: Vec<Vec<f64>> = self.past.iter().map(|(_, went)| went.clone()).collect();
         let shares = smallest(&residuals, dot);
         let mut on: Vec<f64> = end.iter().map(|e| -e).collect();
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     fn passes(map: impl Fn(&[f64]) -> Vec<f64>, start: &[f64], count: usize) -> Vec<f64> {
-        let mut acceleration = Acceleration::new(4);
+        let mut acceleration = AndersonAcceleration::new(4);
         let mut u = start.to_vec();
         for _ in 0..count {
             let end = map(&u);
@@ -129,7 +129,7 @@ mod tests {
         assert!((u[0] - exact[0]).abs() < 1e-8 && (u[1] - exact[1]).abs() < 1e-8);
     }
 
-    /// Passes of a thousandth of the way each: the limit of a leap grows while leaps go well.
+    /// Passes of a thousandth of the way each: the limit of an extrapolation grows while they go well.
     #[test]
     fn passes_that_hardly_move_are_carried_on_as_far_as_it_takes() {
         let map = |u: &[f64]| vec![0.999 * u[0] + 0.001, 0.998 * u[1]];

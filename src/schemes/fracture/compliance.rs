@@ -97,8 +97,8 @@ fn measure<const D: usize>(
 ) -> Result<(f64, usize), StepError> {
     let (solid, coupling) = (solid_of(model)?, coupling_of(model)?);
     let mut push = vec![0.0; solid.unknowns()];
-    coupling.add_push(solid, shares, &mut push);
-    let loads = norm2(&model.push(state.time, &state.pressure));
+    coupling.add_pressure_force(solid, shares, &mut push);
+    let loads = norm2(&model.external_force(state.time, &state.pressure));
     let stiffest = solid.elastic.lame.iter().map(|lame| lame.mu);
     let raise = (RAISED * loads / norm2(&push)).max(AT_REST * stiffest.fold(0.0, f64::max));
     let mut raised = state.clone();

@@ -71,10 +71,10 @@ impl<const D: usize> LaggedFracture<D> {
     /// Brings coefficients, compliance and limit to the fractures of a state.
     fn follow(&mut self, model: &mut Model<D>, state: &State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
-        let answer = solid
-            .answer(&state.displacement, &state.walls, &state.history)
+        let response = solid
+            .response(&state.displacement, &state.walls, &state.history)
             .ok_or(StepError::Missing { part: "[damage]" })?;
-        model.follow_fractures(&answer, &state.displacement, &state.walls);
+        model.follow_fractures(&response, &state.displacement, &state.walls);
         let (solid, relaxation) = (self.passes.solid(), self.options.relaxation);
         let iterations = self.compliance.follow(model, state, relaxation, |raised| {
             solid.equilibrate(model, raised)

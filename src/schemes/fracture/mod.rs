@@ -10,24 +10,24 @@
 mod acceleration;
 mod block;
 mod compliance;
-mod daring;
-mod descent;
 mod flow;
 mod lagged;
+mod line_search;
 mod rates;
+mod reuse;
+mod tangent_policy;
 mod tangents;
-mod upkeep;
 
 use perifrac_solvers::{Demand, LinearSolver, Problem, dot};
 
 use super::solid::{Chosen, build_solver, mechanics_problem};
 use super::{Memory, SchemeCounters, SolidSolver, State, StepError, solid_of};
-use crate::material::Softening;
+use crate::material::TangentKind;
 use crate::model::{Model, SolidModel};
-use crate::operators::{Answer, Damage};
+use crate::operators::{Damage, Response};
 use crate::plan::{DamageMethod, DamagePlan};
-use daring::Daring;
-use descent::{Reached, descend};
+use line_search::{LineSearch, line_search};
+use tangent_policy::TangentPolicy;
 use tangents::TangentMatrix;
 
 pub use flow::FractureFlowStep;
@@ -41,7 +41,7 @@ pub struct Fracture<const D: usize> {
     tangent: TangentMatrix<D>,
     /// Whether the solver knows the matrix as it is.
     fresh: bool,
-    daring: Daring,
+    policy: TangentPolicy,
     /// Largest force on the solid so far, N: a scale once it is in two.
     largest: f64,
     newton: u64,
@@ -57,7 +57,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// A displacement with what the solid answers to it.
 struct Trial<const D: usize> {
-    answer: Answer<D>,
+    response: Response<D>,
     /// Forces out of balance, N.
     force: Vec<f64>,
     /// Work of the loads, J.
@@ -67,7 +67,7 @@ struct Trial<const D: usize> {
 impl<const D: usize> Trial<D> {
     /// Energy less the work of the loads, with the given shares of the hourglass term left, J.
     fn potential(&self, hourglass: &[f64]) -> f64 {
-        self.answer.energy(hourglass) - self.work
+        self.response.energy(hourglass) - self.work
     }
 }
 
@@ -91,7 +91,7 @@ impl<const D: usize> Fracture<D> {
             plan,
             tangent: TangentMatrix::new(solid),
             fresh: false,
-            daring: Daring::new(plan.method),
+            policy: TangentPolicy::new(plan.method),
             largest: 0.0,
             newton: 0,
             searches: 0,
@@ -104,12 +104,12 @@ impl<const D: usize> Fracture<D> {
         state: &State,
         external: &[f64],
     ) -> Result<Trial<D>, StepError> {
-        weigh(solid, state, external)
+        residual_at(solid, state, external)
     }
 
     /// Scale of the forces, N.
-    fn scale(&mut self, solid: &SolidModel<D>, external: &[f64], answer: &Answer<D>) -> f64 {
-        let held: f64 = solid.wall_forces(answer).iter().map(|f| f.abs()).sum();
+    fn scale(&mut self, solid: &SolidModel<D>, external: &[f64], response: &Response<D>) -> f64 {
+        let held: f64 = solid.wall_forces(response).iter().map(|f| f.abs()).sum();
         let now = held + external.iter().map(|f| f.abs()).sum::<f64>();
         self.largest = self.largest.max(now);
         now.max(REMEMBERED * self.largest)
@@ -145,7 +145,7 @@ impl<const D: usize> Fracture<D> {
         if moves.iter().all(|by| by.abs() <= 0.0) {
             return Ok(None);
         }
-        self.bring(solid, state, here, Softening::Bounded)?;
+        self.bring(solid, state, here, TangentKind::Bounded)?;
         let push = self.tangent.wall_push(solid, &moves);
         let force: Vec<f64> = here.force.iter().zip(&push).map(|(f, p)| f - p).collect();
         let (change, iterations) = self.solve(&force)?;
@@ -162,12 +162,12 @@ impl<const D: usize> Fracture<D> {
         solid: &SolidModel<D>,
         state: &State,
         at: &Trial<D>,
-        softening: Softening,
+        softening: TangentKind,
     ) -> Result<(), StepError> {
         let damage = damage_of(solid)?;
         let moved = self
             .tangent
-            .update(solid, damage, &state.history, &at.answer, softening);
+            .update(solid, damage, &state.history, &at.response, softening);
         self.fresh &= !moved;
         Ok(())
     }
@@ -179,10 +179,10 @@ impl<const D: usize> Fracture<D> {
         state: &State,
         at: &Trial<D>,
         imbalance: f64,
-    ) -> Result<(Vec<f64>, usize, Softening), StepError> {
-        let softening = self.daring.next(imbalance);
+    ) -> Result<(Vec<f64>, usize, TangentKind), StepError> {
+        let softening = self.policy.next(imbalance);
         self.bring(solid, state, at, softening)?;
-        if softening != Softening::Exact {
+        if softening != TangentKind::Consistent {
             let (change, iterations) = self.solve(&at.force)?;
             return Ok((change, iterations, softening));
         }
@@ -191,11 +191,11 @@ impl<const D: usize> Fracture<D> {
         {
             return Ok((change, iterations, softening));
         }
-        self.daring.failed();
+        self.policy.failed();
         self.fresh = false;
-        self.bring(solid, state, at, Softening::Bounded)?;
+        self.bring(solid, state, at, TangentKind::Bounded)?;
         let (change, iterations) = self.solve(&at.force)?;
-        Ok((change, iterations, Softening::Bounded))
+        Ok((change, iterations, TangentKind::Bounded))
     }
 
     /// Walks along `change` until the potential has fallen enough; `None` if it does not.
@@ -206,22 +206,22 @@ impl<const D: usize> Fracture<D> {
         external: &[f64],
         at: &Trial<D>,
         change: &[f64],
-    ) -> Result<Option<Reached<Trial<D>>>, StepError> {
+    ) -> Result<Option<LineSearch<Trial<D>>>, StepError> {
         let start = state.displacement.clone();
         let place = |state: &mut State, length: f64| {
             let moved = start.iter().zip(change).map(|(u, c)| u + length * c);
             state.displacement.clear();
             state.displacement.extend(moved);
         };
-        let shares = &at.answer.hourglass;
+        let shares = &at.response.hourglass;
         let high = at.potential(shares);
-        let rounding = ROUNDING * (at.answer.bulk.abs() + at.work.abs());
+        let rounding = ROUNDING * (at.response.bulk.abs() + at.work.abs());
         let mut searches = 0;
-        let reached = descend(dot(&at.force, change), rounding, |length| {
+        let reached = line_search(dot(&at.force, change), rounding, |length| {
             place(state, length);
             let found = self.evaluate(solid, state, external)?;
             searches += 1;
-            Ok(Reached {
+            Ok(LineSearch {
                 length,
                 fallen: high - found.potential(shares),
                 left: dot(&found.force, change),
@@ -237,20 +237,20 @@ impl<const D: usize> Fracture<D> {
     }
 }
 
-/// What a solid answers to the displacement of a state, and what forces that leaves.
-fn weigh<const D: usize>(
+/// How a solid responds to the displacement of a state, and what forces that leaves.
+fn residual_at<const D: usize>(
     solid: &SolidModel<D>,
     state: &State,
     external: &[f64],
 ) -> Result<Trial<D>, StepError> {
-    let answer = solid
-        .answer(&state.displacement, &state.walls, &state.history)
+    let response = solid
+        .response(&state.displacement, &state.walls, &state.history)
         .ok_or(StepError::Missing { part: "[damage]" })?;
     let mut force = external.to_vec();
-    solid.subtract_answer(&answer, &mut force);
+    solid.subtract_internal_force(&response, &mut force);
     Ok(Trial {
         work: dot(external, &state.displacement),
-        answer,
+        response,
         force,
     })
 }
@@ -284,7 +284,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
 
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
-        let external = model.push(state.time, &state.pressure);
+        let external = model.external_force(state.time, &state.pressure);
         let mut at = self.evaluate(solid, state, &external)?;
         let mut iterations = 0;
         if let Some(inner) = self.predict(solid, state, &at)? {
@@ -293,7 +293,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
         }
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
-            let scale = self.scale(solid, &external, &at.answer);
+            let scale = self.scale(solid, &external, &at.response);
             let sum: f64 = at.force.iter().map(|f| f.abs()).sum();
             let imbalance = if scale > 0.0 { sum / scale } else { sum };
             if !imbalance.is_finite() {
@@ -311,11 +311,11 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
             self.newton += 1;
             let reached = self.search(solid, state, &external, &at, &change)?;
             let length = reached.as_ref().map(|reached| reached.length);
-            self.daring.judge(tried, length);
+            self.policy.judge(tried, length);
             match reached {
                 Some(reached) => at = reached.found,
                 // The exact tangent may have led astray; the others always lead down.
-                None if tried == Softening::Exact => {}
+                None if tried == TangentKind::Consistent => {}
                 None => break,
             }
         }
@@ -333,7 +333,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
 
     fn recall(&mut self, memory: &Memory) {
         self.largest = memory.largest_force;
-        self.daring.rest = memory.tangent_rest;
+        self.policy.rest = memory.tangent_rest;
         // Tangents and preconditioners lag behind within a step only.
         self.tangent.forget();
         self.solver.begin_anew();
@@ -342,14 +342,14 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
 
     fn remember(&self, memory: &mut Memory) {
         memory.largest_force = self.largest;
-        memory.tangent_rest = self.daring.rest;
+        memory.tangent_rest = self.policy.rest;
     }
 
     fn counters(&self) -> SchemeCounters {
         SchemeCounters {
             mechanics: Some(self.solver.counters().clone()),
             newton_iterations: self.newton,
-            fallbacks: self.daring.failures,
+            fallbacks: self.policy.failures,
             searches: self.searches,
             refilled_families: self.tangent.refilled,
             ..SchemeCounters::default()

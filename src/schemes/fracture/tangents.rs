@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use crate::assembly::{Moduli, fill_rows};
 use crate::geometry::{Matrix, Vector};
-use crate::material::{Softening, Tangent};
+use crate::material::{Tangent, TangentKind};
 use crate::model::SolidModel;
-use crate::operators::{Answer, Damage, Elastic};
+use crate::operators::{Damage, Elastic, Response};
 
 /// Change of a tangent, relative to the intact moduli, below which its rows are kept.
 pub const KEPT: f64 = 1e-3;
@@ -85,24 +85,24 @@ impl<const D: usize> TangentMatrix<D> {
         self.stale = true;
     }
 
-    /// Brings the matrix to an answer; false if nothing moved.
+    /// Brings the matrix to a response; false if nothing moved.
     pub fn update(
         &mut self,
         solid: &SolidModel<D>,
         damage: &Damage<D>,
         history: &[f64],
-        answer: &Answer<D>,
-        softening: Softening,
+        response: &Response<D>,
+        softening: TangentKind,
     ) -> bool {
         let elastic = &solid.elastic;
-        let tangents = || damage.tangents(elastic, history, answer, softening);
+        let tangents = || damage.tangents(elastic, history, response, softening);
         let next = solid.timers.time("laws", tangents);
         let stale = std::mem::take(&mut self.stale);
         let moved = |i: usize| {
             if stale {
                 return true;
             }
-            let integrity = answer.hourglass[i] / self.integrity[i] - 1.0;
+            let integrity = response.hourglass[i] / self.integrity[i] - 1.0;
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
             // What is nearly gone must not keep a stiffness many times its own.
             let weakest = next[i].shear.amin() / elastic.lame[i].mu;
@@ -115,10 +115,10 @@ impl<const D: usize> TangentMatrix<D> {
         }
         for i in (0..next.len()).filter(|i| changed[*i]) {
             self.tangents[i] = next[i];
-            self.integrity[i] = answer.hourglass[i];
+            self.integrity[i] = response.hourglass[i];
             if next[i].softening < 0.0 {
                 let family = elastic.around.families.family(i);
-                damage.drive(elastic, answer, i, &mut self.drives[family]);
+                damage.drive(elastic, response, i, &mut self.drives[family]);
             }
         }
         let moduli = Damaged {

@@ -68,13 +68,19 @@ fn the_exact_tangent_is_the_derivative_of_the_force() {
     for (k, u) in state.displacement.iter_mut().enumerate() {
         *u = 4e-7 * (0.7 * k as f64).sin() + 2e-6 * (k / 40) as f64 / 20.0;
     }
-    let answer_at = |u: &[f64]| solid.answer(u, &state.walls, &state.history).unwrap();
-    let force = |u: &[f64]| solid.elastic.gather(&answer_at(u).forces);
-    let answer = answer_at(&state.displacement);
-    assert!(answer.damage.iter().any(|s| *s > 0.2));
+    let response_at = |u: &[f64]| solid.response(u, &state.walls, &state.history).unwrap();
+    let force = |u: &[f64]| solid.elastic.gather(&response_at(u).forces);
+    let response = response_at(&state.displacement);
+    assert!(response.damage.iter().any(|s| *s > 0.2));
     let mut tangent = TangentMatrix::new(solid);
     tangent.kept = 0.0;
-    tangent.update(solid, damage, &state.history, &answer, Softening::Exact);
+    tangent.update(
+        solid,
+        damage,
+        &state.history,
+        &response,
+        TangentKind::Consistent,
+    );
     let direction: Vec<f64> = (0..size).map(|k| (1.3 * k as f64).cos()).collect();
     let by = 1e-12;
     let moved = |sign: f64| {

@@ -7,7 +7,7 @@
 use super::variants::weight;
 use crate::plan::{DamagePlan, StepRule};
 use crate::study::over_resolved::{LEVELS, as_level};
-use crate::study::{Options, Subject, Variant};
+use crate::study::{Options, StudyCase, Variant};
 
 /// Bounds relative to those of the scene.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
@@ -18,7 +18,11 @@ const USUAL: f64 = 0.02;
 pub(super) const STEP: &str = "largest step";
 
 /// Every method at every bound, and the chain of over-resolved runs.
-pub(super) fn variants(subject: &Subject, damage: &DamagePlan, options: &Options) -> Vec<Variant> {
+pub(super) fn variants(
+    subject: &StudyCase,
+    damage: &DamagePlan,
+    options: &Options,
+) -> Vec<Variant> {
     let shares: &[f64] = if options.quick { &QUICK } else { &SHARES };
     let mut variants = Vec::new();
     for method in subject.methods(options) {
@@ -57,7 +61,7 @@ pub(super) fn variants(subject: &Subject, damage: &DamagePlan, options: &Options
 }
 
 /// A variant with the bounds of the scene times `share`.
-fn bounded(variant: Variant, subject: &Subject, damage: &DamagePlan, share: f64) -> Variant {
+fn bounded(variant: Variant, subject: &StudyCase, damage: &DamagePlan, share: f64) -> Variant {
     let time = &subject.plan.time;
     let step = match time.step {
         StepRule::Fixed(step) => step,

@@ -11,7 +11,7 @@ use crate::study::over_resolved::{LEAST_FALL, OverResolved, RESOLVED, is_level};
 
 /// The over-resolved run and how far it is trusted; `run` is missing if none could be verified.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct Judged {
+pub(super) struct Assessment {
     run: Option<Exact>,
     /// Runs within what the over-resolved run itself may be wrong by.
     unresolved: usize,
@@ -28,14 +28,14 @@ struct Exact {
     /// Bound of its steps where clouds are the same, s.
     step: Option<f64>,
     /// Estimate of its own error per field, relative to the range.
-    doubt: BTreeMap<String, f64>,
+    uncertainty: BTreeMap<String, f64>,
     /// By how much the error fell from run to run of its chain.
     fall: Option<f64>,
     verdict: String,
     least: f64,
 }
 
-impl Judged {
+impl Assessment {
     /// From the runs of a study, compared.
     pub fn of(runs: &[Measured]) -> Self {
         let own = || {
@@ -50,10 +50,10 @@ impl Judged {
             step: finite(exact.run.variant.value(breaking::STEP)),
             verdict: exact.verdict().unwrap_or_default(),
             least: RESOLVED * exact.largest_doubt(),
-            doubt: exact.doubt,
+            uncertainty: exact.uncertainty,
             fall: exact.fall,
         });
-        Judged {
+        Assessment {
             run,
             unresolved: own().filter(|run| !run.resolved()).count(),
             of: own().count(),

@@ -10,12 +10,14 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use self::judged::Judged;
+use self::judged::Assessment;
 use self::laws::{draw_growth, growth, orders};
 use self::reaching::{crossover, draw, headline, reaching};
 use self::variants::variants;
 use super::over_resolved::{self, OverResolved};
-use super::{Compared, Findings, Measured, Options, Section, Study, StudyError, Subject, Variant};
+use super::{
+    Compared, Measured, Options, ReportContent, Section, Study, StudyCase, StudyError, Variant,
+};
 use crate::plan::exact_pressure;
 
 /// The study of cost.
@@ -33,7 +35,7 @@ impl Study for Cost {
         3
     }
 
-    fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+    fn variants(&self, subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
         variants(subject, options)
     }
 
@@ -59,9 +61,13 @@ impl Study for Cost {
         }
     }
 
-    fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings {
+    fn findings(&self, subject: &StudyCase, runs: &[Measured]) -> ReportContent {
         let done: Vec<&Measured> = runs.iter().filter(|run| run.resolved()).collect();
-        let judged = subject.plan.reference.is_none().then(|| Judged::of(runs));
+        let judged = subject
+            .plan
+            .reference
+            .is_none()
+            .then(|| Assessment::of(runs));
         let groups = groups(&done);
         let (reaching, costs) = reaching(&groups, &done);
         let (crossing, crossover) = crossover(&groups);
@@ -69,7 +75,7 @@ impl Study for Cost {
         let (growth, growth_facts) = growth(&done);
         let mut headlines: Vec<String> = costs.iter().filter_map(headline).collect();
         headlines.extend(crossing.clone());
-        headlines.extend(judged.as_ref().map(Judged::line));
+        headlines.extend(judged.as_ref().map(Assessment::line));
         let mut section = Section::new("Error against seconds");
         let breaks = subject.plan.damage.is_some();
         let what = match breaks {
@@ -93,7 +99,9 @@ impl Study for Cost {
                     .to_owned(),
             );
         }
-        section.text.extend(judged.as_ref().map(Judged::paragraph));
+        section
+            .text
+            .extend(judged.as_ref().map(Assessment::paragraph));
         draw(&mut section, &groups);
         section.tables.push(reaching);
         section.text.extend(crossing);
@@ -106,7 +114,7 @@ impl Study for Cost {
         );
         laws.tables.extend([orders, growth]);
         draw_growth(&mut laws, &groups);
-        Findings {
+        ReportContent {
             facts: json!({
                 "over_resolved": judged,
                 "cost_to_reach": costs,
@@ -126,7 +134,7 @@ impl Study for Cost {
 }
 
 /// Whether errors exist in the steady state only.
-fn steady_only(subject: &Subject) -> bool {
+fn steady_only(subject: &StudyCase) -> bool {
     let exact = exact_pressure(&subject.plan).ok().flatten();
     exact.is_some_and(|exact| exact.steady_only())
 }

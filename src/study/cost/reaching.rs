@@ -7,7 +7,7 @@ use serde_json::json;
 use super::{Pair, pairs};
 use crate::output::{LinePlot, LineStyle, Series};
 use crate::study::findings::{seconds, short};
-use crate::study::{Grounds, Measured, Reach, Section, Table, pareto, reach};
+use crate::study::{Basis, CostToAccuracy, Measured, Section, Table, pareto, reach};
 
 /// Draws the runs of every method and the front of all.
 pub(super) fn draw(section: &mut Section, groups: &BTreeMap<String, Vec<&Measured>>) {
@@ -57,7 +57,7 @@ pub(super) struct CostToReach {
     error: f64,
     cheapest: Option<String>,
     seconds: Option<f64>,
-    methods: BTreeMap<String, Option<Reach>>,
+    methods: BTreeMap<String, Option<CostToAccuracy>>,
 }
 
 /// Errors from loose to tight with what they cost every method, as a table and as numbers.
@@ -76,7 +76,7 @@ pub(super) fn reaching(
     let targets = decades.filter(|error| (0.99 * least..=most).contains(error));
     let costs: Vec<CostToReach> = targets
         .map(|error| {
-            let methods: BTreeMap<String, Option<Reach>> = groups
+            let methods: BTreeMap<String, Option<CostToAccuracy>> = groups
                 .iter()
                 .map(|(name, runs)| {
                     (
@@ -88,7 +88,7 @@ pub(super) fn reaching(
             let known = methods
                 .iter()
                 .filter_map(|(name, cost)| Some((name, (*cost)?)));
-            let measured = known.filter(|(_, cost)| cost.grounds == Grounds::Measured);
+            let measured = known.filter(|(_, cost)| cost.grounds == Basis::Measured);
             let best = measured.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
             CostToReach {
                 error,
@@ -112,9 +112,9 @@ pub(super) fn reaching(
             None => "not reached".to_owned(),
             Some(reach) => {
                 let mark = match reach.grounds {
-                    Grounds::Measured => "",
-                    Grounds::Extrapolated => "≈ ",
-                    Grounds::Theory => "≈≈ ",
+                    Basis::Measured => "",
+                    Basis::Extrapolated => "≈ ",
+                    Basis::Theory => "≈≈ ",
                 };
                 let times = cost.seconds.map(|best| reach.cost / best);
                 let times = times.map_or(String::new(), |times| format!(" ({times:.1}×)"));
@@ -127,15 +127,15 @@ pub(super) fn reaching(
 }
 
 /// Cost of an explicit scheme beyond its only run: error ∝ Δx², points ∝ Δx^−D, steps ∝ Δx^−2.
-fn by_theory(runs: &[&Measured], error: f64) -> Option<Reach> {
+fn by_theory(runs: &[&Measured], error: f64) -> Option<CostToAccuracy> {
     let [run] = runs else { return None };
     let (dimension, own) = (run.number("/dimension"), run.error());
     let other_clouds = run.variant.value("spacing").is_finite();
     let near =
         other_clouds && run.variant.scheme == "explicit" && own > error && own < 100.0 * error;
-    near.then(|| Reach {
+    near.then(|| CostToAccuracy {
         cost: run.seconds() * (own / error).powf(0.5 * (dimension + 2.0)),
-        grounds: Grounds::Theory,
+        grounds: Basis::Theory,
     })
 }
 
@@ -147,9 +147,9 @@ pub(super) fn headline(cost: &CostToReach) -> Option<String> {
         .filter(|_| cheapest != "explicit")
         .map_or(String::new(), |reach| {
             let about = match reach.grounds {
-                Grounds::Measured => "",
-                Grounds::Extrapolated => "about ",
-                Grounds::Theory => "by theory about ",
+                Basis::Measured => "",
+                Basis::Extrapolated => "about ",
+                Basis::Theory => "by theory about ",
             };
             format!(
                 "; explicit: {about}{}, {:.0}×",

@@ -2,14 +2,16 @@
 
 use super::{breaking, steady_only};
 use crate::plan::TimeMode;
-use crate::study::{Grid, Kept, Method, Options, StudyError, Subject, Variant, over_resolved};
+use crate::study::{
+    Grid, Method, Options, RecordedOutput, StudyCase, StudyError, Variant, over_resolved,
+};
 
 /// Fewest and most points of the clouds.
 type Range = (usize, usize);
 
 /// Every method on every cloud at every tolerance; without an exact solution, a chain of over-resolved
 /// runs as well.
-pub(super) fn variants(subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+pub(super) fn variants(subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
     if let Some(damage) = &subject.plan.damage {
         let lines = lines(subject)?;
         let variants = breaking::variants(subject, damage, options);
@@ -44,7 +46,7 @@ pub(super) fn variants(subject: &Subject, options: &Options) -> Result<Vec<Varia
 /// Variants that keep their fields along lines, to be compared with each other.
 fn comparable(variants: Vec<Variant>, lines: &[String]) -> Vec<Variant> {
     let kept = |variant: Variant| Variant {
-        kept: Kept::Outputs,
+        kept: RecordedOutput::Outputs,
         ..variant
             .set(lines.to_vec())
             .set(["output.plots=false".to_owned()])
@@ -53,7 +55,7 @@ fn comparable(variants: Vec<Variant>, lines: &[String]) -> Vec<Variant> {
 }
 
 /// Overrides that record what runs are compared by.
-fn lines(subject: &Subject) -> Result<Vec<String>, StudyError> {
+fn lines(subject: &StudyCase) -> Result<Vec<String>, StudyError> {
     let unsuited = |reason: &str| StudyError::Unsuited {
         study: "the cost study",
         case: subject.plan.case.clone(),
@@ -73,7 +75,7 @@ fn lines(subject: &Subject) -> Result<Vec<String>, StudyError> {
 }
 
 /// Clouds are smaller where over-resolved runs have four times their points in every direction.
-fn range(subject: &Subject, options: &Options) -> Range {
+fn range(subject: &StudyCase, options: &Options) -> Range {
     if subject.plan.reference.is_some() {
         return match (subject.is_coupled(), options.quick) {
             (true, false) => (60, 6000),
@@ -90,7 +92,12 @@ fn range(subject: &Subject, options: &Options) -> Range {
     (40, most)
 }
 
-fn on_grid(subject: &Subject, options: &Options, grid: &Grid, tolerances: &[f64]) -> Vec<Variant> {
+fn on_grid(
+    subject: &StudyCase,
+    options: &Options,
+    grid: &Grid,
+    tolerances: &[f64],
+) -> Vec<Variant> {
     let mut variants = Vec::new();
     for method in subject.methods(options) {
         let solvers = subject.solvers(method.scheme, options);
@@ -119,7 +126,7 @@ fn on_grid(subject: &Subject, options: &Options, grid: &Grid, tolerances: &[f64]
 }
 
 /// The steady state in one solve, by every solver on every cloud.
-fn steady(subject: &Subject, options: &Options, grids: &[Grid]) -> Vec<Variant> {
+fn steady(subject: &StudyCase, options: &Options, grids: &[Grid]) -> Vec<Variant> {
     let method = Method {
         scheme: "implicit",
         integrator: None,

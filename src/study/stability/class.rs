@@ -216,7 +216,7 @@ mod tests {
         let interrupt = crate::run::Interrupt::default();
         crate::run::run::<2>(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
         let mut row = Row::unmeasured(String::new(), 0, Status::Done, String::new());
-        row.fields = profile::fields(folder.path(), profile::Kept::Extremes);
+        row.fields = profile::fields(folder.path(), profile::RecordedOutput::Extremes);
         assert_eq!(row.fields.len(), 2);
         Class::of(&Measured::new(Variant::default(), vec![row]))
     }

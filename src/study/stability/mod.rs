@@ -16,7 +16,8 @@ use self::setting::Setting;
 use self::theory::Split;
 use self::tried::tried;
 use super::{
-    Findings, Kept, Measured, Options, Section, Study, StudyError, Subject, Table, Variant,
+    Measured, Options, RecordedOutput, ReportContent, Section, Study, StudyCase, StudyError, Table,
+    Variant,
 };
 
 /// The study of stability.
@@ -49,7 +50,7 @@ impl Study for Stability {
         "stability"
     }
 
-    fn variants(&self, subject: &Subject, options: &Options) -> Result<Vec<Variant>, StudyError> {
+    fn variants(&self, subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
         let setting = Setting::new(subject, options)?;
         let coupled = subject.is_coupled();
         let strengths: &[i32] = match (options.quick, coupled) {
@@ -98,16 +99,16 @@ impl Study for Stability {
                     .with("spacing", setting.grid.spacing)
                     .with(if coupled { "strength" } else { "contrast" }, strength);
                 variant.scheme = tried.label.to_owned();
-                variant.kept = Kept::Extremes;
+                variant.kept = RecordedOutput::Extremes;
                 variants.push(variant);
             }
         }
         Ok(variants)
     }
 
-    fn findings(&self, subject: &Subject, runs: &[Measured]) -> Findings {
+    fn findings(&self, subject: &StudyCase, runs: &[Measured]) -> ReportContent {
         let Ok(setting) = Setting::seen(subject, runs) else {
-            return Findings::default();
+            return ReportContent::default();
         };
         let coupled = subject.is_coupled();
         let mut section = Section::new("Maps of stability");
@@ -180,7 +181,7 @@ impl Study for Stability {
             .iter()
             .map(|run| json!({ "method": run.variant.scheme, "varied": run.variant.values, "class": Class::of(run).name() }))
             .collect();
-        Findings {
+        ReportContent {
             facts: json!({ "borders": facts, "classes": classes }),
             headlines,
             sections: vec![section],

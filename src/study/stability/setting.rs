@@ -3,7 +3,7 @@
 use super::theory::{Lattice, Mode, Split};
 use crate::geometry::Horizon;
 use crate::plan::{GeometryPlan, PermeabilityPlan};
-use crate::study::{Grid, Measured, Options, StudyError, Subject};
+use crate::study::{Grid, Measured, Options, StudyCase, StudyError};
 
 /// What the case gives the theory.
 pub(super) struct Setting {
@@ -27,7 +27,7 @@ impl Setting {
     ///
     /// # Errors
     /// [`StudyError::Unsuited`] where the theory does not know the cloud, the horizon or the materials.
-    pub fn new(subject: &Subject, options: &Options) -> Result<Self, StudyError> {
+    pub fn new(subject: &StudyCase, options: &Options) -> Result<Self, StudyError> {
         let grids = subject.grids(options, (30, 1000));
         Self::of(subject, grids.into_iter().next())
     }
@@ -36,7 +36,7 @@ impl Setting {
     ///
     /// # Errors
     /// As [`Setting::new`].
-    pub fn seen(subject: &Subject, runs: &[Measured]) -> Result<Self, StudyError> {
+    pub fn seen(subject: &StudyCase, runs: &[Measured]) -> Result<Self, StudyError> {
         let spacing = runs.first().map(|run| run.variant.value("spacing"));
         Self::of(
             subject,
@@ -44,7 +44,7 @@ impl Setting {
         )
     }
 
-    fn of(subject: &Subject, grid: Option<Grid>) -> Result<Self, StudyError> {
+    fn of(subject: &StudyCase, grid: Option<Grid>) -> Result<Self, StudyError> {
         let unsuited = |reason: &str| StudyError::Unsuited {
             study: "the stability study",
             case: subject.plan.case.clone(),

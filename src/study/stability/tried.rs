@@ -1,10 +1,10 @@
 //! The schemes that are tried, with their ways through the coupling.
 
 use super::theory::Split;
-use crate::study::{Method, Subject};
+use crate::study::{Method, StudyCase};
 
 /// A scheme with its way through the coupling.
-pub(super) struct Tried {
+pub(super) struct Candidate {
     /// As in legends.
     pub label: &'static str,
     /// Scheme and integrator.
@@ -12,25 +12,25 @@ pub(super) struct Tried {
     /// Beyond those of the method.
     pub overrides: &'static [&'static str],
     /// For the theory.
-    pub split: fn(&Subject) -> Split,
+    pub split: fn(&StudyCase) -> Split,
 }
 
 /// Those that suit flow coupled with deformation, or flow alone.
-pub(super) fn tried(coupled: bool) -> Vec<Tried> {
+pub(super) fn tried(coupled: bool) -> Vec<Candidate> {
     let method = |scheme, integrator| Method { scheme, integrator };
     let euler = Some("backward-euler");
-    let explicit = |subject: &Subject| Split::Explicit {
+    let explicit = |subject: &StudyCase| Split::Explicit {
         relaxation: fixed_stress(subject),
     };
     match coupled {
         true => vec![
-            Tried {
+            Candidate {
                 label: "explicit, fixed-stress term",
                 method: method("explicit", None),
                 overrides: &[],
                 split: explicit,
             },
-            Tried {
+            Candidate {
                 label: "explicit, lagged strain",
                 method: method("explicit", None),
                 overrides: &["scheme.relaxation=0"],
@@ -38,7 +38,7 @@ pub(super) fn tried(coupled: bool) -> Vec<Tried> {
             },
             // One pass a step whatever it disagrees by, and whatever fluid lags: the program would pass again
             // or end the run where that is much.
-            Tried {
+            Candidate {
                 label: "semi-implicit, lagged strain",
                 method: method("semi-implicit", euler),
                 overrides: &[
@@ -50,13 +50,13 @@ pub(super) fn tried(coupled: bool) -> Vec<Tried> {
                 ],
                 split: |_| Split::SemiImplicit { relaxation: 0.0 },
             },
-            Tried {
+            Candidate {
                 label: "staggered",
                 method: method("staggered", euler),
                 overrides: &[],
                 split: |_| Split::Unconditional,
             },
-            Tried {
+            Candidate {
                 label: "monolithic",
                 method: method("monolithic", Some("tr-bdf2")),
                 overrides: &[],
@@ -64,19 +64,19 @@ pub(super) fn tried(coupled: bool) -> Vec<Tried> {
             },
         ],
         false => vec![
-            Tried {
+            Candidate {
                 label: "explicit",
                 method: method("explicit", None),
                 overrides: &[],
                 split: |_| Split::Explicit { relaxation: 0.0 },
             },
-            Tried {
+            Candidate {
                 label: "implicit backward Euler",
                 method: method("implicit", euler),
                 overrides: &[],
                 split: |_| Split::Unconditional,
             },
-            Tried {
+            Candidate {
                 label: "implicit TR-BDF2",
                 method: method("implicit", Some("tr-bdf2")),
                 overrides: &[],
@@ -87,7 +87,7 @@ pub(super) fn tried(coupled: bool) -> Vec<Tried> {
 }
 
 /// The fixed-stress term that the program adds, over α²/M: (λ + 2μ)/(λ + 2μ/d).
-fn fixed_stress(subject: &Subject) -> f64 {
+fn fixed_stress(subject: &StudyCase) -> f64 {
     let elasticity = subject
         .plan
         .materials

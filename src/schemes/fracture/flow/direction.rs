@@ -3,10 +3,10 @@
 use perifrac_solvers::{dot, multiply};
 
 use super::{FractureFlowStep, Trial};
-use crate::material::Softening;
+use crate::material::TangentKind;
 use crate::model::Model;
 use crate::schemes::fracture::damage_of;
-use crate::schemes::fracture::descent::{Reached, descend};
+use crate::schemes::fracture::line_search::{LineSearch, line_search};
 use crate::schemes::{State, StepError, StepReport, coupling_of, flow_of, solid_of};
 
 /// Residual of the linear systems of the displacement alone, relative to the forces out of balance.
@@ -15,7 +15,7 @@ const FORCING_ALONE: f64 = 1e-2;
 const ROUNDING: f64 = 1e-13;
 
 /// A straight way from a balanced pressure to another.
-pub(super) struct Way {
+pub(super) struct SearchDirection {
     displacement: Vec<f64>,
     pressure: Vec<f64>,
     /// Slope and half the curvature of ½ pᵀMp along it.
@@ -30,23 +30,23 @@ impl<const D: usize> FractureFlowStep<D> {
         state: &State,
         at: &Trial<D>,
         dt: f64,
-        softening: Softening,
+        softening: TangentKind,
         report: &mut StepReport,
-    ) -> Result<Way, StepError> {
+    ) -> Result<SearchDirection, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let damage = damage_of(solid)?;
         self.tangent
-            .update(solid, damage, &state.history, &at.answer, softening);
+            .update(solid, damage, &state.history, &at.response, softening);
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
             let mut displacement = vec![0.0; at.force.len()];
             let (solver, tolerance) = (&mut *self.solver, FORCING_ALONE);
             let force = &at.force;
             report.iterations +=
-                self.upkeep
+                self.reuse
                     .solve(solver, matrix, force, &mut displacement, tolerance)?;
             // The pressure stands still and is brought to the displacement in the next pass.
-            return Ok(Way {
+            return Ok(SearchDirection {
                 displacement,
                 pressure: vec![0.0; state.pressure.len()],
                 bend: [0.0; 2],
@@ -63,7 +63,7 @@ impl<const D: usize> FractureFlowStep<D> {
         }
         let mut x = vec![0.0; rhs.len()];
         let solver = &mut *self.solver;
-        report.iterations += (self.upkeep).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
+        report.iterations += (self.reuse).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
         let points = state.pressure.len();
         let displacement = (0..points)
             .flat_map(|i| x[i * width..][..D].to_vec())
@@ -80,7 +80,7 @@ impl<const D: usize> FractureFlowStep<D> {
         };
         let along = product(&pressure);
         let bend = [dot(&along, &state.pressure), 0.5 * dot(&along, &pressure)];
-        Ok(Way {
+        Ok(SearchDirection {
             displacement,
             pressure,
             bend,
@@ -96,10 +96,10 @@ impl<const D: usize> FractureFlowStep<D> {
         dt: f64,
         imbalance: f64,
         report: &mut StepReport,
-    ) -> Result<(Way, Softening), StepError> {
-        let softening = self.daring.next(imbalance);
+    ) -> Result<(SearchDirection, TangentKind), StepError> {
+        let softening = self.policy.next(imbalance);
         let solved = self.solution(model, state, at, dt, softening, report);
-        if softening != Softening::Exact {
+        if softening != TangentKind::Consistent {
             return Ok((solved?, softening));
         }
         if let Ok(way) = solved
@@ -107,10 +107,10 @@ impl<const D: usize> FractureFlowStep<D> {
         {
             return Ok((way, softening));
         }
-        self.daring.failed();
-        self.upkeep.forget();
-        let way = self.solution(model, state, at, dt, Softening::Bounded, report)?;
-        Ok((way, Softening::Bounded))
+        self.policy.failed();
+        self.reuse.forget();
+        let way = self.solution(model, state, at, dt, TangentKind::Bounded, report)?;
+        Ok((way, TangentKind::Bounded))
     }
 
     /// Walks along a way until the potential has fallen enough; `None` if it does not.
@@ -119,8 +119,8 @@ impl<const D: usize> FractureFlowStep<D> {
         model: &Model<D>,
         state: &mut State,
         at: &Trial<D>,
-        way: &Way,
-    ) -> Result<Option<Reached<Trial<D>>>, StepError> {
+        way: &SearchDirection,
+    ) -> Result<Option<LineSearch<Trial<D>>>, StepError> {
         let external = self.external(model, state);
         let (start, balanced) = (state.displacement.clone(), state.pressure.clone());
         let place = |state: &mut State, length: f64| {
@@ -132,16 +132,16 @@ impl<const D: usize> FractureFlowStep<D> {
             step(&mut state.pressure, &balanced, &way.pressure);
         };
         let work = dot(&external, &way.displacement);
-        let shares = &at.answer.hourglass;
-        let high = at.answer.energy(shares);
+        let shares = &at.response.hourglass;
+        let high = at.response.energy(shares);
         let slope = dot(&at.force, &way.displacement);
-        let reached = descend(slope, ROUNDING * high.abs(), |length| {
+        let reached = line_search(slope, ROUNDING * high.abs(), |length| {
             place(state, length);
             let found = self.evaluate(model, state)?;
             let flow = length * (way.bend[0] + length * way.bend[1]);
-            Ok(Reached {
+            Ok(LineSearch {
                 length,
-                fallen: high - found.answer.energy(shares) + length * work - flow,
+                fallen: high - found.response.energy(shares) + length * work - flow,
                 left: dot(&found.force, &way.displacement),
                 found,
             })
@@ -158,6 +158,6 @@ impl<const D: usize> FractureFlowStep<D> {
         let still = |i: usize| self.block.is_none() || self.is_fixed[i];
         let prescribed = |i: usize| if still(i) { state.pressure[i] } else { 0.0 };
         let pressure: Vec<f64> = (0..state.pressure.len()).map(prescribed).collect();
-        model.push(state.time, &pressure)
+        model.external_force(state.time, &pressure)
     }
 }

@@ -22,14 +22,14 @@ use perifrac_solvers::{
     SolverSpec, Symmetry,
 };
 
-use super::acceleration::Acceleration;
+use super::acceleration::AndersonAcceleration;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
-use super::daring::Daring;
+use super::reuse::PreconditionerReuse;
+use super::tangent_policy::TangentPolicy;
 use super::tangents::TangentMatrix;
-use super::upkeep::Upkeep;
 use crate::model::Model;
-use crate::operators::Answer;
+use crate::operators::Response;
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::memory::Rates;
 use crate::schemes::quasi_static::{advance, growth};
@@ -56,9 +56,9 @@ pub struct FractureFlowStep<const D: usize> {
     largest: f64,
     /// Residual of the linear systems: smaller where passes turn out to suffer from it.
     forcing: f64,
-    upkeep: Upkeep,
-    acceleration: Acceleration,
-    daring: Daring,
+    reuse: PreconditionerReuse,
+    acceleration: AndersonAcceleration,
+    policy: TangentPolicy,
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
     /// What fractures yield, where fields take turns.
@@ -76,7 +76,7 @@ pub struct FractureFlowStep<const D: usize> {
 
 /// Pressure and displacement with what they leave out of balance.
 struct Trial<const D: usize> {
-    answer: Answer<D>,
+    response: Response<D>,
     /// Forces out of balance, N.
     force: Vec<f64>,
     /// Σ of the absolute forces, N.
@@ -139,9 +139,9 @@ impl<const D: usize> FractureFlowStep<D> {
             plan: damage,
             largest: 0.0,
             forcing: FORCING,
-            upkeep: Upkeep::default(),
-            acceleration: Acceleration::new(SHALLOW),
-            daring: Daring::new(damage.method),
+            reuse: PreconditionerReuse::default(),
+            acceleration: AndersonAcceleration::new(SHALLOW),
+            policy: TangentPolicy::new(damage.method),
             cut_above: match plan.time.step {
                 StepRule::Fixed(_) => f64::INFINITY,
                 StepRule::Adaptive => damage.shortest_step,
@@ -164,7 +164,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let memory = &mut state.memory;
         memory.largest_force = self.largest;
         memory.forcing = Some(self.forcing);
-        memory.tangent_rest = self.daring.rest;
+        memory.tangent_rest = self.policy.rest;
         memory.unit = Some(self.unit);
         memory.compliance = self.compliance.measured;
     }
@@ -198,12 +198,12 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     fn recall(&mut self, memory: &Memory) {
         self.largest = memory.largest_force;
         self.forcing = memory.forcing.unwrap_or(FORCING);
-        self.daring.rest = memory.tangent_rest;
+        self.policy.rest = memory.tangent_rest;
         self.unit = memory.unit.unwrap_or(1.0);
         self.compliance.measured = memory.compliance;
         // Tangents and preconditioners lag behind within a step only.
         self.tangent.forget();
-        self.upkeep.forget();
+        self.reuse.forget();
         self.solver.begin_anew();
         self.flow.begin_anew();
     }
@@ -251,7 +251,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
             solver: self.solver.counters().clone(),
             coupling_iterations: self.passes,
             searches: self.searches,
-            fallbacks: self.daring.failures,
+            fallbacks: self.policy.failures,
             refilled_families: self.tangent.refilled,
             ..SchemeCounters::default()
         }

@@ -4,11 +4,11 @@ use perifrac_solvers::norm2;
 
 use super::super::not_finite;
 use super::{FractureFlowStep, Trial};
-use crate::material::Softening;
+use crate::material::TangentKind;
 use crate::model::Model;
-use crate::operators::Answer;
+use crate::operators::Response;
 use crate::schemes::fracture::{Fracture, damage_of};
-use crate::schemes::implicit::weigh;
+use crate::schemes::implicit::weighted_flows;
 use crate::schemes::stagnation::Stagnation;
 use crate::schemes::{SolidSolver, State, StepError, StepReport, flow_of, solid_of};
 
@@ -30,7 +30,7 @@ const LEAST_FORCING: f64 = 1e-8;
 /// the compliance fits more or less.
 pub const SHALLOW: usize = 4;
 const DEEP: usize = 16;
-/// Compliance of fractures over the storage in them below which the pressure hardly answers to the strain,
+/// Compliance of fractures over the storage in them below which the pressure hardly responds to the strain,
 /// and is brought to it in every pass.
 const WEAK: f64 = 0.1;
 /// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
@@ -48,11 +48,11 @@ const ADVANCE: f64 = 0.5;
 const SHORTEST: f64 = 0.125;
 
 /// Where the passes of a step stand.
-struct Watch {
+struct PassMonitor {
     /// Smallest imbalance so far.
     best: f64,
     /// Smallest share owed while forces balanced.
-    owed: f64,
+    splitting_residual: f64,
     /// That of the pass before.
     before: f64,
     /// Of the larger of both, what is out of balance and what is owed, over what is allowed.
@@ -65,10 +65,10 @@ struct Watch {
     share: f64,
 }
 
-impl Watch {
+impl PassMonitor {
     /// Takes note of how far off a pass starts and of how many points' worth has broken; false once there
     /// is no hope. A crack that runs is far off for long, but breaks on.
-    fn goes_on(&mut self, off: f64, broken: f64, shortens: bool) -> bool {
+    fn continues(&mut self, off: f64, broken: f64, shortens: bool) -> bool {
         let mut stuck = self.stagnation.note(off);
         if broken >= self.broken + ADVANCE {
             self.stagnation.forgive();
@@ -91,10 +91,10 @@ impl Watch {
 
     /// Why passes were given up.
     fn failure(&self, time: f64, tolerance: f64, iterations: usize) -> StepError {
-        match self.owed.is_finite() {
+        match self.splitting_residual.is_finite() {
             true => StepError::Owed {
                 time,
-                owed: self.owed,
+                splitting_residual: self.splitting_residual,
                 allowed: STILL_OWED,
                 iterations,
             },
@@ -126,16 +126,16 @@ impl<const D: usize> FractureFlowStep<D> {
         model: &Model<D>,
         state: &State,
     ) -> Result<Trial<D>, StepError> {
-        let answer = solid_of(model)?
-            .answer(&state.displacement, &state.walls, &state.history)
+        let response = solid_of(model)?
+            .response(&state.displacement, &state.walls, &state.history)
             .ok_or(StepError::Missing { part: "[damage]" })?;
         self.searches += 1;
-        weigh_forces(model, state, answer)
+        force_residual(model, state, response)
     }
 
     /// What the pores must still take up over the step, zero where the pressure is prescribed, and what
     /// they took, Σ of absolutes; m^D.
-    fn shortfall(
+    fn mass_residual(
         &mut self,
         model: &Model<D>,
         old: &State,
@@ -146,7 +146,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut left = vec![0.0; flow.points()];
         flow.imbalance(state.time, &state.pressure, &mut left);
         self.products += 1;
-        let taken = taken(model, old, state)?;
+        let taken = stored_increment(model, old, state)?;
         for (i, left) in left.iter_mut().enumerate() {
             *left = match self.is_fixed[i] {
                 true => 0.0,
@@ -167,7 +167,7 @@ impl<const D: usize> FractureFlowStep<D> {
         dt: f64,
     ) -> Result<(usize, f64), StepError> {
         let flow = flow_of(model)?;
-        let (left, taken) = self.shortfall(model, old, state, dt)?;
+        let (left, taken) = self.mass_residual(model, old, state, dt)?;
         self.flow.forget(flow);
         let split = match self.splits() {
             true => &self.compliance.storage[..],
@@ -182,8 +182,11 @@ impl<const D: usize> FractureFlowStep<D> {
         let pairs = state.pressure.iter_mut().zip(&change);
         pairs.for_each(|(p, c)| *p += c);
         let pairs = split.iter().zip(&change);
-        let owed: f64 = pairs.map(|(b, c)| (b * c).abs()).sum();
-        Ok((iterations, owed / taken.max(f64::MIN_POSITIVE)))
+        let splitting_residual: f64 = pairs.map(|(b, c)| (b * c).abs()).sum();
+        Ok((
+            iterations,
+            splitting_residual / taken.max(f64::MIN_POSITIVE),
+        ))
     }
 
     /// Whether the compliance stands in for the strain to come: never where both are solved together.
@@ -192,7 +195,7 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 
     /// Brings the compliance of the fractures to those of the last step, where fields take turns and the
-    /// pressure answers to the strain.
+    /// pressure responds to the strain.
     fn follow_compliance(
         &mut self,
         model: &Model<D>,
@@ -218,7 +221,7 @@ impl<const D: usize> FractureFlowStep<D> {
     /// passes, which are better spent on the step that keeps it.
     fn runs(&self, model: &Model<D>, old: &State, at: &Trial<D>) -> Result<bool, StepError> {
         let before = damage_of(solid_of(model)?)?.of(&old.history);
-        let pairs = at.answer.damage.iter().zip(&before);
+        let pairs = at.response.damage.iter().zip(&before);
         let growth = pairs.map(|(now, before)| now - before).fold(0.0, f64::max);
         Ok(growth > HOPELESS * self.plan.largest_increment)
     }
@@ -292,31 +295,31 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut found = self.evaluate(model, state)?;
-        let mut watch = Watch {
+        let mut watch = PassMonitor {
             best: f64::INFINITY,
-            owed: f64::INFINITY,
+            splitting_residual: f64::INFINITY,
             before: f64::INFINITY,
             stagnation: Stagnation::new(),
             stuck: 0,
-            broken: found.answer.damage.iter().sum(),
+            broken: found.response.damage.iter().sum(),
             share: 1.0,
         };
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
-            model.follow_fractures(&found.answer, &state.displacement, &state.walls);
+            model.follow_fractures(&found.response, &state.displacement, &state.walls);
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;
             }
             let start = self.unknowns(state);
-            let (iterations, owed) = self.balance(model, old, state, dt)?;
+            let (iterations, splitting_residual) = self.balance(model, old, state, dt)?;
             report.iterations += iterations;
-            // The displacement stands still, so the solid's own answer is the same.
-            let at = weigh_forces(model, state, found.answer)?;
+            // The displacement stands still, so the solid's own response is the same.
+            let at = force_residual(model, state, found.response)?;
             let imbalance = self.imbalance(&at, state.time)?;
             report.passes = pass;
             report.residual = Some(imbalance);
-            if imbalance <= self.plan.tolerance && owed <= watch.allowed() {
+            if imbalance <= self.plan.tolerance && splitting_residual <= watch.allowed() {
                 return Ok(());
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
@@ -327,11 +330,11 @@ impl<const D: usize> FractureFlowStep<D> {
             }
             watch.best = watch.best.min(imbalance);
             if imbalance <= self.plan.tolerance {
-                watch.owed = watch.owed.min(owed);
+                watch.splitting_residual = watch.splitting_residual.min(splitting_residual);
             }
-            let off = (imbalance / self.plan.tolerance).max(owed / OWED);
-            let broken = at.answer.damage.iter().sum();
-            if !watch.goes_on(off, broken, self.splits()) || pass == self.plan.iterations {
+            let off = (imbalance / self.plan.tolerance).max(splitting_residual / OWED);
+            let broken = at.response.damage.iter().sum();
+            if !watch.continues(off, broken, self.splits()) || pass == self.plan.iterations {
                 break;
             }
             self.react(&mut watch, imbalance);
@@ -377,10 +380,10 @@ impl<const D: usize> FractureFlowStep<D> {
         self.passes += 1;
         let reached = self.search(model, state, &at, &way)?;
         let length = reached.as_ref().map(|reached| reached.length);
-        self.daring.judge(tried, length);
+        self.policy.judge(tried, length);
         let Some(reached) = reached else {
             // The exact tangent may have led astray; the others always lead down.
-            return Ok((tried == Softening::Exact).then_some(at));
+            return Ok((tried == TangentKind::Consistent).then_some(at));
         };
         Ok(Some(
             match self.accelerate(start, state, reached.length, how) {
@@ -402,7 +405,7 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 
     /// Learns from how the last pass went.
-    fn react(&mut self, watch: &mut Watch, imbalance: f64) {
+    fn react(&mut self, watch: &mut PassMonitor, imbalance: f64) {
         if imbalance > SLOW * watch.before {
             self.forcing = (0.1 * self.forcing).max(LEAST_FORCING);
         }
@@ -416,24 +419,24 @@ impl<const D: usize> FractureFlowStep<D> {
 /// Share of the tolerance at which forces are as balanced as they get.
 const BALANCED: f64 = 1e-3;
 
-/// Forces out of balance of an answer under the pressure of a state.
-fn weigh_forces<const D: usize>(
+/// Forces out of balance of a response under the pressure of a state.
+fn force_residual<const D: usize>(
     model: &Model<D>,
     state: &State,
-    answer: Answer<D>,
+    response: Response<D>,
 ) -> Result<Trial<D>, StepError> {
-    let mut force = model.push(state.time, &state.pressure);
+    let mut force = model.external_force(state.time, &state.pressure);
     let scale = force.iter().map(|f| f.abs()).sum();
-    solid_of(model)?.subtract_answer(&answer, &mut force);
+    solid_of(model)?.subtract_internal_force(&response, &mut force);
     Ok(Trial {
-        answer,
+        response,
         force,
         scale,
     })
 }
 
 /// What the pores took up since `old`, at the coefficients of now, m^D.
-fn taken<const D: usize>(
+fn stored_increment<const D: usize>(
     model: &Model<D>,
     old: &State,
     state: &State,
@@ -462,8 +465,8 @@ pub fn close<const D: usize>(
     let flow = flow_of(model)?;
     let mut imbalance = vec![0.0; flow.points()];
     flow.imbalance(at.time, &at.pressure, &mut imbalance);
-    let taken = taken(model, old, new)?;
-    report.flows = weigh(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
+    let taken = stored_increment(model, old, new)?;
+    report.flows = weighted_flows(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
     for fixed in &flow.fixed {
         report.flows.hold(fixed.load, taken[fixed.point]);
     }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use perifrac_solvers::dot;
 
-use super::memory::Guess;
+use super::memory::Predictor;
 use crate::plan::Acceleration;
 
 /// Passes that Anderson's method remembers.
@@ -11,18 +11,18 @@ const DEPTH: usize = 5;
 
 /// Chooses the next guess from those before: the content mixes like the pressure, because the solid
 /// is linear in it.
-pub struct Mixer {
+pub struct Accelerator {
     kind: Acceleration,
     /// Guesses and what they led to, the newest last.
-    past: Vec<(Guess, Guess)>,
+    past: Vec<(Predictor, Predictor)>,
     /// Aitken's factor.
     factor: f64,
 }
 
-impl Mixer {
+impl Accelerator {
     /// Nothing remembered yet.
     pub fn new(kind: Acceleration) -> Self {
-        Mixer {
+        Accelerator {
             kind,
             past: Vec::new(),
             factor: 1.0,
@@ -30,7 +30,7 @@ impl Mixer {
     }
 
     /// The next guess after `guess` led to `found`; `weight` (shape `(n,)`) is the norm's.
-    pub fn next(&mut self, guess: Guess, found: Guess, weight: &[f64]) -> Guess {
+    pub fn next(&mut self, guess: Predictor, found: Predictor, weight: &[f64]) -> Predictor {
         if self.kind == Acceleration::None {
             return found;
         }
@@ -60,7 +60,7 @@ impl Mixer {
             .collect()
     }
 
-    fn aitken(&mut self, weight: &[f64]) -> Guess {
+    fn aitken(&mut self, weight: &[f64]) -> Predictor {
         let last = self.past.len() - 1;
         if last > 0 {
             let (before, now) = (self.residual(last - 1), self.residual(last));
@@ -76,11 +76,11 @@ impl Mixer {
     }
 
     /// Combination of the passes with the smallest change, taken at where they led to.
-    fn anderson(&self, weight: &[f64]) -> Guess {
+    fn anderson(&self, weight: &[f64]) -> Predictor {
         let count = self.past.len();
         let residuals: Vec<Vec<f64>> = (0..count).map(|k| self.residual(k)).collect();
         let shares = smallest(&residuals, |a, b| inner(weight, a, b));
-        let terms: Vec<(f64, &Guess)> = shares
+        let terms: Vec<(f64, &Predictor)> = shares
             .into_iter()
             .zip(&self.past)
             .map(|(share, (_, found))| (share, found))
@@ -118,9 +118,9 @@ fn inner(weight: &[f64], a: &[f64], b: &[f64]) -> f64 {
     dot(&weighted, b)
 }
 
-fn mix(terms: &[(f64, &Guess)]) -> Guess {
+fn mix(terms: &[(f64, &Predictor)]) -> Predictor {
     let points = terms.first().map_or(0, |(_, guess)| guess.pressure.len());
-    let mut sum = Guess::none(points);
+    let mut sum = Predictor::none(points);
     for (share, guess) in terms {
         sum.pressure
             .iter_mut()

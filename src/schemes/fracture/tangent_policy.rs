@@ -1,6 +1,6 @@
 //! Which tangent to try.
 
-use crate::material::Softening;
+use crate::material::TangentKind;
 use crate::plan::DamageMethod;
 
 /// Forces out of balance, relative to all forces, from which Newton's tangent is tried.
@@ -11,7 +11,7 @@ const SHORTEST: f64 = 0.05;
 const REST: usize = 4;
 
 /// Tries Newton's tangent near balance, and leaves it for a while where it failed.
-pub struct Daring {
+pub struct TangentPolicy {
     method: DamageMethod,
     /// Iterations left for which it is not tried.
     pub rest: usize,
@@ -19,10 +19,10 @@ pub struct Daring {
     pub failures: u64,
 }
 
-impl Daring {
+impl TangentPolicy {
     /// As the method asks.
     pub fn new(method: DamageMethod) -> Self {
-        Daring {
+        TangentPolicy {
             method,
             rest: 0,
             failures: 0,
@@ -30,20 +30,20 @@ impl Daring {
     }
 
     /// Tangent of the next iteration at a relative imbalance of forces.
-    pub fn next(&mut self, imbalance: f64) -> Softening {
+    pub fn next(&mut self, imbalance: f64) -> TangentKind {
         self.rest = self.rest.saturating_sub(1);
         match self.method {
-            DamageMethod::Alternate => Softening::Fixed,
-            DamageMethod::Newton if self.rest == 0 => Softening::Exact,
-            DamageMethod::Auto if self.rest == 0 && imbalance < NEAR => Softening::Exact,
-            _ => Softening::Bounded,
+            DamageMethod::Alternate => TangentKind::Secant,
+            DamageMethod::Newton if self.rest == 0 => TangentKind::Consistent,
+            DamageMethod::Auto if self.rest == 0 && imbalance < NEAR => TangentKind::Consistent,
+            _ => TangentKind::Bounded,
         }
     }
 
     /// Judges a direction by how far it led down; `None` if it did not.
-    pub fn judge(&mut self, tried: Softening, length: Option<f64>) {
+    pub fn judge(&mut self, tried: TangentKind, length: Option<f64>) {
         // An indefinite tangent may lead down by next to nothing for ever.
-        if tried == Softening::Exact && length.is_none_or(|length| length < SHORTEST) {
+        if tried == TangentKind::Consistent && length.is_none_or(|length| length < SHORTEST) {
             self.failed();
         }
     }
@@ -61,22 +61,22 @@ mod tests {
 
     #[test]
     fn newton_is_tried_near_balance_and_rests_after_a_failure() {
-        let mut daring = Daring::new(DamageMethod::Auto);
-        assert_eq!(daring.next(1.0), Softening::Bounded);
-        assert_eq!(daring.next(1e-3), Softening::Exact);
-        daring.failed();
+        let mut policy = TangentPolicy::new(DamageMethod::Auto);
+        assert_eq!(policy.next(1.0), TangentKind::Bounded);
+        assert_eq!(policy.next(1e-3), TangentKind::Consistent);
+        policy.failed();
         // A step of fair length is no failure, one that leads nowhere is.
-        daring.rest = 0;
-        daring.judge(Softening::Exact, Some(0.3));
-        assert_eq!(daring.next(1e-3), Softening::Exact);
-        daring.judge(Softening::Exact, Some(1e-9));
+        policy.rest = 0;
+        policy.judge(TangentKind::Consistent, Some(0.3));
+        assert_eq!(policy.next(1e-3), TangentKind::Consistent);
+        policy.judge(TangentKind::Consistent, Some(1e-9));
         for _ in 1..REST {
-            assert_eq!(daring.next(1e-3), Softening::Bounded);
+            assert_eq!(policy.next(1e-3), TangentKind::Bounded);
         }
-        assert_eq!(daring.next(1e-3), Softening::Exact);
+        assert_eq!(policy.next(1e-3), TangentKind::Consistent);
         assert_eq!(
-            Daring::new(DamageMethod::Alternate).next(1e-3),
-            Softening::Fixed
+            TangentPolicy::new(DamageMethod::Alternate).next(1e-3),
+            TangentKind::Secant
         );
     }
 }

@@ -7,13 +7,13 @@ const COST: usize = 16;
 
 /// Iterations wasted since the preconditioner was renewed.
 #[derive(Default)]
-pub struct Upkeep {
+pub struct PreconditionerReuse {
     /// Iterations of the first solve after that; `None` if there was none yet.
     fresh: Option<usize>,
     wasted: usize,
 }
 
-impl Upkeep {
+impl PreconditionerReuse {
     /// Solves `matrix · x = rhs` from rest to a relative residual of `tolerance`; gives the iterations.
     /// What lags behind the matrix is renewed where that pays, and before a failure counts.
     ///
@@ -45,7 +45,7 @@ impl Upkeep {
 
     /// The next solve renews.
     pub fn forget(&mut self) {
-        *self = Upkeep::default();
+        *self = PreconditionerReuse::default();
     }
 
     fn may_lag(&self) -> bool {
@@ -126,9 +126,9 @@ mod tests {
             counters: SolverCounters::default(),
         };
         let matrix = CsrMatrix::zero((0, 0));
-        let mut upkeep = Upkeep::default();
+        let mut reuse = PreconditionerReuse::default();
         for _ in 0..9 {
-            let solved = upkeep.solve(&mut solver, matrix.view(), &[], &mut [], 1e-4);
+            let solved = reuse.solve(&mut solver, matrix.view(), &[], &mut [], 1e-4);
             assert!(solved.is_ok());
         }
         solver.counters.refreshes

@@ -3,7 +3,7 @@
 use crate::schemes::StepError;
 
 /// A place along the direction.
-pub struct Reached<T> {
+pub struct LineSearch<T> {
     /// Length in units of the direction.
     pub length: f64,
     /// How far the potential has fallen, J.
@@ -29,11 +29,11 @@ const LONGEST: f64 = 64.0;
 ///
 /// # Errors
 /// Those of `visit`, which evaluates a length.
-pub fn descend<T>(
+pub fn line_search<T>(
     slope: f64,
     rounding: f64,
-    mut visit: impl FnMut(f64) -> Result<Reached<T>, StepError>,
-) -> Result<Option<Reached<T>>, StepError> {
+    mut visit: impl FnMut(f64) -> Result<LineSearch<T>, StepError>,
+) -> Result<Option<LineSearch<T>>, StepError> {
     let mut length = 1.0;
     for _ in 0..MOST_CUTS {
         let reached = visit(length)?;
@@ -41,7 +41,7 @@ pub fn descend<T>(
             let ends = length < 1.0 || reached.left <= STEEP * slope;
             return match ends {
                 true => Ok(Some(reached)),
-                false => stretch(slope, reached, visit).map(Some),
+                false => expand(slope, reached, visit).map(Some),
             };
         }
         // Minimum of the parabola through both values and the slope at the start.
@@ -57,11 +57,11 @@ pub fn descend<T>(
 }
 
 /// Longer steps as long as the potential keeps falling.
-fn stretch<T>(
+fn expand<T>(
     slope: f64,
-    first: Reached<T>,
-    mut visit: impl FnMut(f64) -> Result<Reached<T>, StepError>,
-) -> Result<Reached<T>, StepError> {
+    first: LineSearch<T>,
+    mut visit: impl FnMut(f64) -> Result<LineSearch<T>, StepError>,
+) -> Result<LineSearch<T>, StepError> {
     let mut best = first;
     let mut before = slope;
     while best.left > STEEP * slope && best.length < LONGEST {
@@ -91,14 +91,14 @@ mod tests {
             let by = 1e-6 * length;
             let left = (potential(length - by) - potential(length + by)) / (2.0 * by);
             let fallen = potential(0.0) - potential(length);
-            Ok(Reached {
+            Ok(LineSearch {
                 length,
                 fallen,
                 left,
                 found: (),
             })
         };
-        let found = descend(slope, 0.0, visit).unwrap().unwrap();
+        let found = line_search(slope, 0.0, visit).unwrap().unwrap();
         (found.length, visits)
     }
 
