@@ -1,14 +1,14 @@
 //! The time loop.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Instant;
 
-use perifrac_solvers::{Communicator, Interrupt};
+use perifrac_solvers::Interrupt;
 
 use super::audit::Stored;
-use super::checkpoint::{Checkpoint, Saver, Snapshot};
+use super::checkpoint::{Checkpoint, Saver};
 use super::fracture::{CrackTracker, Fractures};
+use super::job::{Job, Observer, Progress};
 use super::rejections::Rejections;
 use super::restart::Before;
 use super::scale::Scale;
@@ -17,78 +17,9 @@ use super::stops::{OutputSchedule, clamp};
 use super::{RunError, Summary, TimedErrors, Writer, takeover};
 use crate::model::Model;
 use crate::output::OutputError;
-use crate::plan::{Integrator, Plan, SchemeChoice, StepRule, TimeMode, TimePlan};
+use crate::plan::{Plan, StepRule, TimeMode};
 use crate::report::{Balance, Timers};
-use crate::schemes::{
-    self, Assembled, FlowStage, Fracture, Implicit, Scheme, SchemeCounters, SolidSolver, State,
-    StepControl, StepError, StepReport, solve_steady,
-};
-
-/// Where a run stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct Progress {
-    /// Time, s.
-    pub time: f64,
-    /// End, s.
-    pub end: f64,
-    /// Last step, s.
-    pub dt: f64,
-    /// Accepted steps.
-    pub steps: u64,
-    /// Rejected steps.
-    pub rejected: u64,
-    /// Iterations of the linear solver in the last step.
-    pub iterations: usize,
-    /// Passes between the fields in the last step, and what the last of them left, relative to its scale.
-    pub passes: Option<(usize, f64)>,
-    /// Energy of Eq. 73 less the work of the loads, J; with mechanics.
-    pub potential: Option<f64>,
-    /// Length of all cracks, m (area in space, m²); with damage.
-    pub crack_length: Option<f64>,
-}
-
-/// Is told how a run goes on; `()` does not listen.
-///
-/// To stop a run from here, raise its [`Interrupt`].
-///
-/// ```
-/// use perifrac::prelude::*;
-///
-/// struct Impatient(Interrupt);
-///
-/// impl Observer for Impatient {
-///     fn step(&mut self, progress: &Progress) {
-///         if progress.steps == 3 {
-///             self.0.raise();
-///         }
-///     }
-/// }
-///
-/// # let scene = r#"
-/// #     title = "A square that drains to the left"
-/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
-/// #     fluid.viscosity = "1 mPa s"
-/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
-/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
-/// #     time.end = "1 s"
-/// # "#;
-/// let plan = Setup::text(scene).plan()?;
-/// let interrupt = Interrupt::default();
-/// let ended = run::<2>(&plan, None, &mut Impatient(interrupt.clone()), &interrupt);
-/// assert!(matches!(ended, Err(RunError::Interrupted { .. })));
-/// # Ok::<(), SceneErrors>(())
-/// ```
-pub trait Observer {
-    /// A doubt arose.
-    fn warn(&mut self, _message: &str) {}
-    /// A step was accepted.
-    fn step(&mut self, _progress: &Progress) {}
-    /// The fields after that step.
-    fn state(&mut self, _state: &State) {}
-}
-
-impl Observer for () {}
+use crate::schemes::{self, Scheme, SchemeCounters, State, StepControl, StepError, StepReport};
 
 /// Runs a plan of dimension `D`; the final state comes with the summary.
 ///
@@ -105,67 +36,6 @@ pub fn run<const D: usize>(
         ..Job::new(observer, interrupt)
     };
     run_job::<D>(plan, job)
-}
-
-/// What a run works with, beside its plan.
-///
-/// ```
-/// use perifrac::prelude::*;
-///
-/// # let scene = r#"
-/// #     title = "A square that drains to the left"
-/// #     geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
-/// #     fluid.viscosity = "1 mPa s"
-/// #     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
-/// #     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
-/// #     time.end = "1 s"
-/// # "#;
-/// let plan = Setup::text(scene).plan()?;
-/// let (interrupt, mut listener) = (Interrupt::default(), ());
-/// let job = Job {
-///     settings: Settings { reject_every: Some(2), ..Settings::default() },
-///     ..Job::new(&mut listener, &interrupt)
-/// };
-/// // Every second step is done twice, which must change nothing.
-/// let (_, state) = run_job::<2>(&plan, job)?;
-/// let (_, usual) = run::<2>(&plan, None, &mut (), &interrupt)?;
-/// assert_eq!(state.pressure, usual.pressure);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub struct Job<'a> {
-    /// Other processes, if there are any: all must run the same plan together, each with its own writer.
-    /// The summary and the state are the same everywhere.
-    pub team: Option<&'a Arc<dyn Communicator>>,
-    /// Writes the files of the run.
-    pub writer: Option<&'a mut Writer>,
-    /// Is told how the run goes on.
-    pub observer: &'a mut dyn Observer,
-    /// Stops the run.
-    pub interrupt: &'a Interrupt,
-    /// How the run is done.
-    pub settings: Settings,
-    /// Folder that paths of the scene are relative to, for checkpoints.
-    pub base: PathBuf,
-    /// Where the run goes on from; its beginning without one.
-    pub from: Option<Checkpoint>,
-    /// Takes in the state every now and then, for whoever ends the program while a step cannot be left.
-    pub snapshot: Snapshot,
-}
-
-impl<'a> Job<'a> {
-    /// A run in this process alone, without files.
-    pub fn new(observer: &'a mut dyn Observer, interrupt: &'a Interrupt) -> Self {
-        Job {
-            team: None,
-            writer: None,
-            observer,
-            interrupt,
-            settings: Settings::default(),
-            base: PathBuf::new(),
-            from: None,
-            snapshot: Snapshot::default(),
-        }
-    }
 }
 
 /// As [`run`].
@@ -237,8 +107,6 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
     run.finish(effort, wall)
 }
 
-type Steady = (StepReport, SchemeCounters, Option<(String, String)>);
-
 pub(super) type Effort = (
     SchemeCounters,
     Option<(String, String)>,
@@ -299,58 +167,11 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    fn steady(&mut self) -> Result<Effort, RunError> {
-        self.scheme_name = "steady".to_owned();
-        if self.is_interrupted() {
-            return Err(RunError::Interrupted { time: 0.0 });
-        }
-        let timers = self.timers.clone();
-        let solved = timers.time("solve", || self.steady_state());
-        let (report, counters, solver) = solved.map_err(|error| self.failed(error))?;
-        let rates = StepReport {
-            stored: Some(0.0),
-            ..report.clone()
-        };
-        let balanced = self.audit(&self.model, &rates, &self.state);
-        self.balance = balanced.map_err(|error| self.failed(error))?;
-        timers.time("output", || self.first_output(&report))?;
-        Ok((counters, solver, None))
-    }
-
-    fn first_output(&mut self, report: &StepReport) -> Result<(), RunError> {
+    pub(super) fn first_output(&mut self, report: &StepReport) -> Result<(), RunError> {
         self.start_history()?;
         self.write_history(0.0, report)?;
         self.drawn = self.tracker.results.crack_length;
         self.write_fields()
-    }
-
-    /// The drained state: flow first, then the solid under its pressure.
-    fn steady_state(&mut self) -> Result<Steady, StepError> {
-        let mut steady: Steady = (StepReport::default(), SchemeCounters::default(), None);
-        if let Some(flow) = &self.model.flow {
-            let (report, counters, chosen) =
-                solve_steady(flow, &self.plan.stage_demand(), &mut self.state)?;
-            steady = (report, counters, Some(chosen));
-        }
-        if let Some(solid) = &self.model.solid {
-            let mut mechanics: Box<dyn SolidSolver<D>> = match self.plan.damage {
-                Some(damage) => {
-                    let demand = self.plan.fracture_demand();
-                    Box::new(Fracture::new(&demand, &self.model, damage)?)
-                }
-                None => Box::new(Assembled::new(&self.plan.solid_demand(), solid)?),
-            };
-            steady.0.iterations += mechanics.equilibrate(&self.model, &mut self.state)?;
-            schemes::advance(&self.model, &mut self.state);
-            let own = mechanics.counters();
-            steady.1 = SchemeCounters {
-                solver: std::mem::take(&mut steady.1.solver),
-                products: steady.1.products,
-                ..own
-            };
-            steady.2 = steady.2.or_else(|| mechanics.solver());
-        }
-        Ok(steady)
     }
 
     fn transient(&mut self) -> Result<Effort, RunError> {
@@ -511,7 +332,7 @@ impl<const D: usize> Run<'_, D> {
     }
 
     /// Whether the user stopped any of the processes.
-    fn is_interrupted(&self) -> bool {
+    pub(super) fn is_interrupted(&self) -> bool {
         let mut stopped = [f64::from(u8::from(self.interrupt.is_raised()))];
         self.model.subdomain().sum(&mut stopped);
         stopped[0] > 0.5
@@ -572,40 +393,6 @@ impl<const D: usize> Run<'_, D> {
         }
     }
 
-    /// What errors of the pressure are measured against. Sources do not tell how far they will drive it: implicit
-    /// steps of the flow from one break of the loads to the next do, across the whole run.
-    fn scale(&mut self) -> Result<Scale, StepError> {
-        let mut scale = Scale::new(self.plan, &self.model);
-        scale.cover(&self.model, &self.state.pressure);
-        let adaptive = self.plan.time.step == StepRule::Adaptive;
-        let explicit = self.plan.scheme == SchemeChoice::Explicit;
-        let Some(flow) = self.model.flow.as_ref().filter(|_| adaptive && !explicit) else {
-            return Ok(scale);
-        };
-        // With a solid only loads that come late need it, whose first steps have nothing else to go by.
-        let known = flow.is_constant() || scale.is_known();
-        if self.model.solid.is_some() && known {
-            return Ok(scale);
-        }
-        // What strain stores as well keeps the pressure down, at most by this.
-        let coupling = self.model.coupling.as_ref();
-        let share = coupling.map_or(1.0, |own| 1.0 / (1.0 + own.strength(&flow.capacity)));
-        let start = flow.initial.clone();
-        let stage = Box::new(FlowStage::new(&self.plan.stage_demand(), flow)?);
-        let mut probe = Implicit::new(Integrator::BackwardEuler, stage, false);
-        let mut here = self.state.clone();
-        for time in legs(&self.model.breakpoints(), &self.plan.time) {
-            let mut far = here.clone();
-            probe.step(&self.model, &here, time - here.time, &mut far)?;
-            let pairs = far.pressure.iter().zip(&start);
-            let expected: Vec<f64> = pairs.map(|(p, p0)| p0 + share * (p - p0)).collect();
-            scale.cover(&self.model, &expected);
-            here = far;
-        }
-        self.aside.add(&probe.counters());
-        Ok(scale)
-    }
-
     fn start_history(&mut self) -> Result<(), RunError> {
         let Some(writer) = &mut self.writer else {
             return Ok(());
@@ -652,20 +439,6 @@ impl<const D: usize> Run<'_, D> {
         self.agree(completed)
     }
 }
-
-/// Times between which loads hardly bend, to the end of the run: those of `breaks`, or a part of them.
-fn legs(breaks: &[f64], plan: &TimePlan) -> Vec<f64> {
-    let (start, end) = (plan.start, plan.end);
-    let inside: Vec<f64> = (breaks.iter().copied())
-        .filter(|time| *time > start && *time < end)
-        .collect();
-    let stride = inside.len().div_ceil(MOST_LEGS).max(1);
-    let kept = inside.into_iter().skip(stride - 1).step_by(stride);
-    kept.chain([end]).collect()
-}
-
-/// Breaks of the loads between which the range is looked for: each takes a factor.
-const MOST_LEGS: usize = 32;
 
 /// Smallest step relative to the run to which a failing step is cut.
 const SMALLEST: f64 = 1e-12;
