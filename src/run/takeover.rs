@@ -71,6 +71,9 @@ pub(super) fn at_its_time(
     }
 }
 
+/// A component of a side that moves, and its place, m.
+type Placed = ((Side, usize), f64);
+
 struct Taken<'a, const D: usize> {
     checkpoint: &'a Checkpoint,
     start: &'a StartPlan,
@@ -176,7 +179,7 @@ impl<const D: usize> Taken<'_, D> {
     }
 
     /// Sides that moved in the run that is taken over, with their places, m.
-    fn walls_before(&self) -> Result<Vec<((Side, usize), f64)>, RunError> {
+    fn walls_before(&self) -> Result<Vec<Placed>, RunError> {
         let Record {
             scene, base, state, ..
         } = &self.checkpoint.record;
@@ -187,10 +190,7 @@ impl<const D: usize> Taken<'_, D> {
         let loaded = load_str(&name, scene, base, &[]);
         let plan = loaded.and_then(|loaded| resolve_any(&loaded, &self.checkpoint.header.case));
         let plan = plan.map_err(|_| self.misfit("its scene cannot be read any more".to_owned()))?;
-        let walls = plan
-            .mechanics
-            .iter()
-            .flat_map(|mechanics| driven_walls::<D>(mechanics));
+        let walls = plan.mechanics.iter().flat_map(driven_walls::<D>);
         Ok(walls.zip(state.walls.iter().copied()).collect())
     }
 }

@@ -174,6 +174,7 @@ fn header(line: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp)]
     use super::*;
 
     const SCENE: &str = r#"title = "Staged"

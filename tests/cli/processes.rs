@@ -348,7 +348,7 @@ fn two_processes_go_on_to_the_same_bits() {
         "--set",
         "time.step=0.02",
         "--set",
-        "output.every=10",
+        "output.times=[2, 5, 10, 20, 40]",
         "--solver",
         "petsc",
         "--quiet",

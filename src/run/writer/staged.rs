@@ -111,6 +111,7 @@ fn append(whole: &mut Table, stage: usize, own: &Table) {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp)]
     use super::*;
 
     #[test]
