@@ -422,8 +422,8 @@ fn the_cost_of_a_case_without_an_exact_solution() {
     );
     let report = report(&place, "s");
     let exact = &report["findings"]["over_resolved"]["run"];
-    let doubt = exact["doubt"]["pressure"].as_f64().unwrap();
-    assert!(doubt > 0.0 && doubt < 3e-3, "{exact}");
+    let uncertainty = exact["uncertainty"]["pressure"].as_f64().unwrap();
+    assert!(uncertainty > 0.0 && uncertainty < 3e-3, "{exact}");
     assert!(exact["fall"].as_f64().unwrap() > 2.0, "{exact}");
     let runs = report["runs"].as_array().unwrap();
     let (chain, own): (Vec<&Value>, Vec<&Value>) = runs
