@@ -95,7 +95,7 @@ impl<'a> OverResolved<'a> {
     }
 
     /// The largest uncertainty of all fields.
-    pub fn largest_doubt(&self) -> f64 {
+    pub fn largest_uncertainty(&self) -> f64 {
         self.uncertainty.values().copied().fold(f64::NAN, f64::max)
     }
 
@@ -218,12 +218,12 @@ mod tests {
 
     /// Errors of 1e-3, 2e-3 and 4e-3 fall by a half; the finest is then good to what it is wrong by.
     #[test]
-    fn the_doubt_is_the_error_of_the_finest_run() {
+    fn the_uncertainty_is_the_error_of_the_finest_run() {
         let runs = [run(0.0, 4e-3), run(1.0, 2e-3), run(2.0, 1e-3)];
         let found = OverResolved::among(&runs).unwrap();
         let error = 1e-3 / 2_f64.sqrt();
         assert!(
-            (found.largest_doubt() / error - 1.0).abs() < 2e-3,
+            (found.largest_uncertainty() / error - 1.0).abs() < 2e-3,
             "{found:?}"
         );
         assert!((found.fall.unwrap() - 2.0).abs() < 1e-9);
@@ -233,11 +233,11 @@ mod tests {
     fn two_runs_are_judged_by_the_order_assumed_and_one_not_at_all() {
         let runs = [run(0.0, 4e-3), run(1.0, 1e-3)];
         let found = OverResolved::among(&runs).unwrap();
-        assert!((found.largest_doubt() / (3e-3 / 2_f64.sqrt()) - 1.0).abs() < 2e-3);
+        assert!((found.largest_uncertainty() / (3e-3 / 2_f64.sqrt()) - 1.0).abs() < 2e-3);
         assert_eq!(found.fall, None);
         let chain = [&runs[1], &runs[0]];
         let found = OverResolved::of(&chain, profile::over_range, SECOND_ORDER).unwrap();
-        assert!((found.largest_doubt() / (1e-3 / 2_f64.sqrt()) - 1.0).abs() < 2e-3);
+        assert!((found.largest_uncertainty() / (1e-3 / 2_f64.sqrt()) - 1.0).abs() < 2e-3);
         assert!(OverResolved::among(&runs[..1]).is_none());
     }
 
@@ -246,6 +246,6 @@ mod tests {
     fn a_chain_that_does_not_converge_is_doubted() {
         let runs = [run(0.0, 1e-3), run(1.0, -1e-3), run(2.0, 1e-3)];
         let found = OverResolved::among(&runs).unwrap();
-        assert!(found.largest_doubt() > 2e-3, "{found:?}");
+        assert!(found.largest_uncertainty() > 2e-3, "{found:?}");
     }
 }

@@ -435,7 +435,7 @@ fn the_cost_of_a_case_without_an_exact_solution() {
         let error = run["measures"]["error"].as_f64().unwrap();
         let resolved = run["resolved"].as_bool().unwrap();
         assert!(error > 0.0 && error < 0.1, "{run}");
-        assert_eq!(resolved, error >= 3.0 * doubt, "{run}");
+        assert_eq!(resolved, error >= 3.0 * uncertainty, "{run}");
         assert!(
             resolved,
             "a quarter of the spacing resolves second order: {run}"
@@ -445,9 +445,9 @@ fn the_cost_of_a_case_without_an_exact_solution() {
     assert!(page.contains("Richardson"));
 }
 
-/// A doubt as large as the errors leaves no figure that a reader could trust.
+/// An uncertainty as large as the errors leaves no figure that a reader could trust.
 #[test]
-fn errors_within_the_doubt_are_not_resolved() {
+fn errors_within_the_uncertainty_are_not_resolved() {
     let place = Place::new();
     let printed = place.succeed(&[
         "study",

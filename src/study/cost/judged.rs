@@ -49,7 +49,7 @@ impl Assessment {
             tolerance: finite(exact.run.variant.value("tolerance")),
             step: finite(exact.run.variant.value(breaking::STEP)),
             verdict: exact.verdict().unwrap_or_default(),
-            least: RESOLVED * exact.largest_doubt(),
+            least: RESOLVED * exact.largest_uncertainty(),
             uncertainty: exact.uncertainty,
             fall: exact.fall,
         });

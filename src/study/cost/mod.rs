@@ -43,7 +43,7 @@ impl Study for Cost {
         let Some(exact) = OverResolved::among(runs) else {
             return;
         };
-        let least = over_resolved::RESOLVED * exact.largest_doubt();
+        let least = over_resolved::RESOLVED * exact.largest_uncertainty();
         let compared: Vec<Option<Compared>> = runs
             .iter()
             .map(|run| {
