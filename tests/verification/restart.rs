@@ -301,11 +301,28 @@ fn a_run_that_was_stopped_goes_on_to_the_same_bits() {
     });
 }
 
+/// Cases whose schemes and effects others have as well, and smaller.
+const ALIKE: &[&str] = &[
+    "channel",
+    "heterogeneous",
+    "reservoir-3d",
+    "theis",
+    "terzaghi-graded",
+    "terzaghi-tensor",
+    "column-3d",
+    "footing",
+    "notched-shear/smoke",
+    "injection-rate/smoke",
+];
+
 /// Every second sound step is computed, thrown away and computed again: the state that it starts from, and all
 /// that schemes and solvers remember, must be untouched to the last bit.
 #[test]
 fn a_rejected_step_leaves_no_trace() {
     of_all_cases(|case| {
+        if ALIKE.contains(&case.0) {
+            return Ok(());
+        }
         let loaded = loaded(case);
         let plan = resolve(&loaded, "case").map_err(|errors| errors.to_string())?;
         let folder = tempfile::tempdir().unwrap();
