@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::output::CheckpointError;
 use crate::plan::{StartPlan, resolve_for};
 use crate::run::{Checkpoint, StagedFolder};
 use crate::scene::load_str;
@@ -135,14 +136,17 @@ fn all(
 
 /// Runs a stage, goes on with it, or takes its summary where it is done.
 fn one(desk: &mut Desk<'_>, planned: &Planned, folder: &Path) -> Result<Value, Failure> {
-    let kept = Checkpoint::newest(folder).ok();
+    let kept = match desk.resumes() {
+        true => begun(folder)?,
+        false => None,
+    };
     let path = folder.join("summary.json");
     if kept.as_ref().is_some_and(|kept| kept.header.finished)
-        && let Some(summary) = desk.resumes().then(|| read(&path)).flatten()
+        && let Some(summary) = read(&path)
     {
         return Ok(summary);
     }
-    let summary = match kept.filter(|_| desk.resumes()) {
+    let summary = match kept {
         Some(checkpoint) => {
             let resolved = resolved(folder)?;
             checkpoint.check_scene(&resolved)?;
@@ -155,6 +159,15 @@ fn one(desk: &mut Desk<'_>, planned: &Planned, folder: &Path) -> Result<Value, F
         }
     };
     Ok(serde_json::to_value(&summary).unwrap_or(json!({})))
+}
+
+/// Where a stage stands; nothing if it has not begun. One that is damaged must not begin anew unasked.
+fn begun(folder: &Path) -> Result<Option<Checkpoint>, Failure> {
+    match Checkpoint::newest(folder) {
+        Ok(checkpoint) => Ok(Some(checkpoint)),
+        Err(CheckpointError::Absent { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }
 
 fn read(path: &Path) -> Option<Value> {

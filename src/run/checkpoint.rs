@@ -309,7 +309,12 @@ impl Saver {
     }
 
     /// Tells of a state, which took since `begun` to put together.
-    pub fn tell<const D: usize>(&mut self, at: &Place<'_, D>, record: &Record, begun: Instant) {
+    pub fn tell<const D: usize>(
+        &mut self,
+        at: &RunIdentity<'_, D>,
+        record: &Record,
+        begun: Instant,
+    ) {
         let pending = self.pack(at, record);
         self.snapshot.tell(pending.ok());
         (self.told, self.cost) = (Instant::now(), begun.elapsed());
@@ -321,7 +326,7 @@ impl Saver {
     /// [`OutputError`] if it cannot be written; older ones stay.
     pub fn save<const D: usize>(
         &mut self,
-        at: &Place<'_, D>,
+        at: &RunIdentity<'_, D>,
         record: &Record,
     ) -> Result<PathBuf, OutputError> {
         self.saved = Instant::now();
@@ -341,7 +346,7 @@ impl Saver {
 
     fn pack<const D: usize>(
         &self,
-        at: &Place<'_, D>,
+        at: &RunIdentity<'_, D>,
         record: &Record,
     ) -> Result<Pending, OutputError> {
         let (state, steps) = (&record.state, record.course.steps);
@@ -374,7 +379,7 @@ impl Saver {
 }
 
 /// What a checkpoint says of the run that it belongs to.
-pub(super) struct Place<'a, const D: usize> {
+pub(super) struct RunIdentity<'a, const D: usize> {
     pub plan: &'a Plan,
     pub cloud: &'a Cloud<D>,
     pub processes: usize,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use super::checkpoint::{Checkpoint, Course, Place, Record, Saver, Snapshot};
+use super::checkpoint::{Checkpoint, Course, Record, RunIdentity, Saver, Snapshot};
 use super::stops::OutputSchedule;
 use super::time_loop::{March, Run};
 use super::{RunError, TimedErrors};
@@ -174,7 +174,7 @@ impl<const D: usize> Run<'_, D> {
                 return;
             };
             saver.tell(
-                &place(self.plan, &self.model.cloud, processes),
+                &identity(self.plan, &self.model.cloud, processes),
                 &record,
                 begun,
             );
@@ -198,7 +198,7 @@ impl<const D: usize> Run<'_, D> {
         let (Some(record), Some(saver)) = (record, &mut self.saver) else {
             return Ok(());
         };
-        let at = place(self.plan, &self.model.cloud, processes);
+        let at = identity(self.plan, &self.model.cloud, processes);
         self.timers
             .time("checkpoint", || saver.save(&at, &record).map(drop))
     }
@@ -229,12 +229,12 @@ impl<const D: usize> Run<'_, D> {
     }
 }
 
-fn place<'a, const D: usize>(
+fn identity<'a, const D: usize>(
     plan: &'a crate::plan::Plan,
     cloud: &'a Cloud<D>,
     processes: usize,
-) -> Place<'a, D> {
-    Place {
+) -> RunIdentity<'a, D> {
+    RunIdentity {
         plan,
         cloud,
         processes,

@@ -5,7 +5,7 @@ use std::time::Duration;
 /// Settings of a run; the default does nothing beyond the plan.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// Does every so manieth sound step twice, throwing the first trial away: the results must be the same.
+    /// Does every Nth sound step twice, throwing the first trial away: the results must be the same.
     pub reject_every: Option<u64>,
     /// When checkpoints are written; none without a rule.
     pub checkpoints: Option<CheckpointRule>,

@@ -104,7 +104,7 @@ impl<const D: usize> Taken<'_, D> {
             },
             datum_walls: match self.start.resets_displacement {
                 true => walls.clone(),
-                false => then.datum_walls.clone(),
+                false => self.datum_walls()?,
             },
             walls,
             // Bands of cracks that are new are broken from here on.
@@ -157,9 +157,8 @@ impl<const D: usize> Taken<'_, D> {
 
     /// Places of the sides that move, m; those that did not move before are at 0.
     fn walls(&self, initial: &State) -> Result<Vec<f64>, RunError> {
-        let before = self.walls_before()?;
-        let own = self.model.solid.iter().flat_map(|solid| &solid.walls);
-        let own: Vec<(Side, usize)> = own.map(|wall| (wall.side, wall.component)).collect();
+        let before = self.walls_before(&self.checkpoint.record.state.walls)?;
+        let own = self.own_walls();
         let lost = before
             .iter()
             .find(|(wall, place)| *place != 0.0 && !own.contains(wall));
@@ -169,21 +168,33 @@ impl<const D: usize> Taken<'_, D> {
                  scene; give it the same kind of motion, which may stand still"
             )));
         }
-        let place = |wall: &(Side, usize)| {
-            let found = before.iter().find(|(then, _)| then == wall);
-            found.map_or(0.0, |(_, place)| *place)
-        };
-        let walls: Vec<f64> = own.iter().map(place).collect();
+        let walls = placed(&own, &before);
         debug_assert_eq!(walls.len(), initial.walls.len());
         Ok(walls)
     }
 
-    /// Sides that moved in the run that is taken over, with their places, m.
-    fn walls_before(&self) -> Result<Vec<Placed>, RunError> {
-        let Record {
-            scene, base, state, ..
-        } = &self.checkpoint.record;
-        if state.walls.is_empty() {
+    /// Places of the sides that move from which outputs count, m; empty where they count from none.
+    fn datum_walls(&self) -> Result<Vec<f64>, RunError> {
+        let then = &self.checkpoint.record.state;
+        match then.datum.is_empty() {
+            true => Ok(Vec::new()),
+            false => Ok(placed(
+                &self.own_walls(),
+                &self.walls_before(&then.datum_walls)?,
+            )),
+        }
+    }
+
+    /// Components of the sides that move in this scene.
+    fn own_walls(&self) -> Vec<(Side, usize)> {
+        let own = self.model.solid.iter().flat_map(|solid| &solid.walls);
+        own.map(|wall| (wall.side, wall.component)).collect()
+    }
+
+    /// Sides that moved in the run that is taken over, with `places` of theirs, m.
+    fn walls_before(&self, places: &[f64]) -> Result<Vec<Placed>, RunError> {
+        let Record { scene, base, .. } = &self.checkpoint.record;
+        if places.is_empty() {
             return Ok(Vec::new());
         }
         let name = self.checkpoint.path.display().to_string();
@@ -191,6 +202,15 @@ impl<const D: usize> Taken<'_, D> {
         let plan = loaded.and_then(|loaded| resolve_any(&loaded, &self.checkpoint.header.case));
         let plan = plan.map_err(|_| self.misfit("its scene cannot be read any more".to_owned()))?;
         let walls = plan.mechanics.iter().flat_map(driven_walls::<D>);
-        Ok(walls.zip(state.walls.iter().copied()).collect())
+        Ok(walls.zip(places.iter().copied()).collect())
     }
+}
+
+/// Places of sides, m; those that did not move before are at 0.
+fn placed(own: &[(Side, usize)], before: &[Placed]) -> Vec<f64> {
+    let place = |wall: &(Side, usize)| {
+        let found = before.iter().find(|(then, _)| then == wall);
+        found.map_or(0.0, |(_, place)| *place)
+    };
+    own.iter().map(place).collect()
 }
