@@ -1,5 +1,7 @@
 //! One trait object per operator: dispatch once per assembly, never per bond.
 
+use std::sync::Arc;
+
 use super::{Pattern, PatternError, Refill, force, scalar};
 use crate::geometry::Vector;
 use crate::operators::{BondForm, MirrorContinuation, Neighbourhood};
@@ -11,6 +13,9 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
 
     /// The families it lives on.
     fn neighbourhood(&self) -> &Neighbourhood<D>;
+
+    /// The same, shared.
+    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>>;
 
     /// Number of points whose families reach a second hop.
     fn second_hops(&self) -> usize;
@@ -81,6 +86,10 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
 
     fn neighbourhood(&self) -> &Neighbourhood<D> {
         BondForm::neighbourhood(self)
+    }
+
+    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>> {
+        BondForm::shared_neighbourhood(self)
     }
 
     fn second_hops(&self) -> usize {

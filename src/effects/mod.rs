@@ -7,6 +7,7 @@ mod cracks;
 mod flux;
 mod gravity;
 mod injection;
+mod opening;
 mod own;
 mod side_area;
 mod solid;
@@ -19,6 +20,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use aperture::aperture;
 pub use gravity::Column;
 pub use injection::injection_shares;
+pub use opening::{Opening, openings};
 pub use solid::{SolidContext, build_solid, tensor};
 
 pub use crate::plan::Effect;

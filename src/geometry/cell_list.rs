@@ -3,7 +3,7 @@
 use super::Vector;
 
 /// Points binned into a regular grid of cells.
-pub(super) struct CellList<const D: usize> {
+pub(crate) struct CellList<const D: usize> {
     origin: Vector<D>,
     inverse_edge: f64,
     cells: [usize; D],

@@ -54,19 +54,28 @@ impl<const D: usize> Crack<D> {
             .reduce(f64::min)
     }
 
+    /// Distance to the nearest segment, m, and the unit normal of that segment.
+    pub fn nearest(&self, x: &Vector<D>) -> Option<(f64, Vector<D>)> {
+        let to = |[a, b]: [Vector<D>; 2]| {
+            let (along, arm) = (b - a, x - a);
+            let share = (arm.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            ((arm - along * share).norm(), normal(&along.normalize()))
+        };
+        let segments = self.segments().map(to);
+        segments.min_by(|one, other| one.0.total_cmp(&other.0))
+    }
+
     fn place(&self, distance: f64) -> Option<OnCrack<D>> {
         let mut before = 0.0;
         let mut found = None;
         for [a, b] in self.segments() {
             let length = (b - a).norm();
             let tangent = (b - a) / length;
-            let mut normal = Vector::zeros();
-            (normal[0], normal[1]) = (-tangent[1], tangent[0]);
             found = Some(OnCrack {
                 at: a + tangent * (distance - before),
                 distance,
                 tangent,
-                normal,
+                normal: normal(&tangent),
             });
             before += length;
             if distance <= before {
@@ -75,6 +84,13 @@ impl<const D: usize> Crack<D> {
         }
         found
     }
+}
+
+/// Unit vector to the left of a tangent in the plane.
+fn normal<const D: usize>(tangent: &Vector<D>) -> Vector<D> {
+    let mut normal = Vector::zeros();
+    (normal[0], normal[1]) = (-tangent[1], tangent[0]);
+    normal
 }
 
 /// Cracks with all their mirror images.

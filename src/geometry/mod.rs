@@ -20,6 +20,7 @@ mod stencil;
 mod voids;
 
 pub(crate) use cloud::edge;
+pub(crate) use cell_list::CellList;
 pub use cloud::{Cloud, Domain};
 pub use crack::{Crack, Cutter, OnCrack};
 pub use families::{Families, Severed};

@@ -6,7 +6,10 @@ mod elasticity;
 mod random_field;
 mod storage;
 
-pub use damage::{DamageLaw, EnergySplit, HourglassRule, PointResponse, Tangent, TangentKind};
+pub use damage::{
+    CrackPlane, DamageLaw, DamageModel, EnergySplit, Exponent, HourglassRule, PointResponse,
+    PointState, Tangent, TangentKind,
+};
 pub use eigen::eigen;
 pub use elasticity::{Elasticity, Lame};
 pub use random_field::log_normal;

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Model;
+use super::{CrackFlow, Model};
 use crate::boundary::BoundaryPlane;
+use crate::effects::Opening;
 
 /// Properties of rock and fluid at every point, as the damage and the openings of a state have them
 /// (Eqs. 40 to 46). All shapes `(n,)`.
@@ -22,6 +23,12 @@ pub struct Coefficients {
     pub biot: Vec<f64>,
     /// Opening, m; 0 where the rock is intact.
     pub aperture: Vec<f64>,
+    /// Point whose pressure acts in the crack here; empty in the model of the paper.
+    pub donor: Vec<u32>,
+    /// Pressure in cracks where there is none, Pa.
+    pub dry: Vec<f64>,
+    /// Openings of cracks and widths of their bands, m.
+    pub opening: Vec<Opening>,
     /// Values of L that belong to the mobility; filled anew where they are absent, as after a restart.
     #[serde(skip)]
     conductance: Vec<f64>,
@@ -40,18 +47,21 @@ impl PartialEq for Coefficients {
                 capacity,
                 biot,
                 aperture,
+                dry,
                 ..
             } = own.clone();
-            [permeability, mobility, capacity, biot, aperture]
+            [permeability, mobility, capacity, biot, aperture, dry]
         };
-        fields(self) == fields(other)
+        let cracks = self.donor == other.donor && self.opening == other.opening;
+        cracks && fields(self) == fields(other)
     }
 }
 
 impl Coefficients {
     /// Bytes of the fields.
     pub fn bytes(&self) -> usize {
-        8 * 5 * self.permeability.len()
+        8 * (5 * self.permeability.len() + self.dry.len() + 2 * self.opening.len())
+            + 4 * self.donor.len()
     }
 }
 
@@ -59,7 +69,11 @@ impl<const D: usize> Model<D> {
     /// Coefficients as this model has them; `None` where they follow nothing.
     pub fn coefficients(&self) -> Option<Arc<Coefficients>> {
         let (fracture, flow) = (self.fracture_flow.as_ref()?, self.flow.as_ref()?);
+        let cracks = fracture.cracks.as_ref();
         Some(Arc::new(Coefficients {
+            donor: cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone()),
+            dry: cracks.map_or_else(Vec::new, |cracks| cracks.dry.clone()),
+            opening: cracks.map_or_else(Vec::new, |cracks| cracks.opening.clone()),
             permeability: self.permeability.clone(),
             mobility: flow.mobility.clone(),
             capacity: flow.capacity.clone(),
@@ -97,8 +111,20 @@ impl<const D: usize> Model<D> {
         flow.capacity.clone_from(&coefficients.capacity);
         coupling.divergence.weight.clone_from(&coefficients.biot);
         fracture.aperture.clone_from(&coefficients.aperture);
+        if let Some(CrackFlow {
+            donor,
+            dry,
+            opening,
+            ..
+        }) = &mut fracture.cracks
+        {
+            donor.clone_from(&coefficients.donor);
+            dry.clone_from(&coefficients.dry);
+            opening.clone_from(&coefficients.opening);
+        }
         if coefficients.conductance.is_empty() {
             flow.refill();
+            fracture.conduct(flow, permeability);
             flow.follow_walls();
         } else {
             flow.conductance.clone_from(&coefficients.conductance);

@@ -7,7 +7,7 @@ use crate::operators::Divergence;
 use crate::plan::Plan;
 
 use super::properties::Properties;
-use super::{Model, MovingWall, SolidModel};
+use super::{Fields, Model, MovingWall, SolidModel};
 
 /// What couples flow and mechanics.
 #[derive(Debug, Clone)]
@@ -106,21 +106,15 @@ impl<const D: usize> Model<D> {
         content
     }
 
-    /// Forces out of balance, f − K u − r w + Qᵀ p, shape `(n·D,)`, N, and their scale Σ|f| + Σ|Qᵀp|.
-    pub fn unbalanced(
-        &self,
-        time: f64,
-        pressure: &[f64],
-        displacement: &[f64],
-        walls: &[f64],
-        history: &[f64],
-    ) -> (Vec<f64>, f64) {
+    /// Forces out of balance at `time`, f − K u − r w + Qᵀ p, shape `(n·D,)`, N, and their scale Σ|f| + Σ|Qᵀp|.
+    pub fn unbalanced(&self, time: f64, state: &Fields<'_>) -> (Vec<f64>, f64) {
         let Some(solid) = &self.solid else {
             return (Vec::new(), 0.0);
         };
-        let External { loads, push, scale } = self.external(solid, time, pressure, walls);
+        let External { loads, push, scale } =
+            self.external(solid, time, state.pressure, state.walls);
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
-        solid.subtract_force(displacement, walls, history, &mut force);
+        self.subtract_force(solid, state, &mut force);
         (force, scale)
     }
 
@@ -164,26 +158,26 @@ impl<const D: usize> Model<D> {
     }
 
     /// Balance of forces and energies of a state; nothing without mechanics.
-    pub fn audit(
-        &self,
-        time: f64,
-        pressure: &[f64],
-        displacement: &[f64],
-        walls: &[f64],
-        history: &[f64],
-    ) -> Option<Audit> {
+    pub fn audit(&self, state: &Fields<'_>) -> Option<Audit> {
+        let &Fields {
+            time,
+            pressure,
+            displacement,
+            walls,
+            ..
+        } = state;
         let solid = self.solid.as_ref()?;
         let External { loads, push, scale } = self.external(solid, time, pressure, walls);
         let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
         let mut force: Vec<f64> = loads.iter().zip(&push).map(|(f, p)| f + p).collect();
-        if let Some(response) = solid.response(displacement, walls, history) {
+        if let Some(response) = self.response(state) {
             solid.subtract_internal_force(&response, &mut force);
             let held = solid.wall_forces(&response);
             let elastic = response.energy(&response.hourglass);
             let energy = elastic + self.stored_energy(pressure);
             return Some(Audit {
                 unbalanced: size(&force),
-                forces: size(&loads) + size(&push) + size(&held),
+                forces: size(&loads) + size(&push) + size(&held) + self.crack_push(&response),
                 energy,
                 potential: energy - dot(&loads, displacement),
                 elastic,

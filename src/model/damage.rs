@@ -1,10 +1,10 @@
 //! Damage as a plan asks for it, and what a solid with damage answers.
 
-use crate::effects::tensor;
-use crate::geometry::Matrix;
-use crate::material::DamageLaw;
-use crate::operators::{Damage, Elastic, Response};
-use crate::plan::{MechanicsPlan, Plan};
+use crate::effects::{tensor, vector};
+use crate::geometry::{Crack, Vector};
+use crate::material::{CrackPlane, DamageLaw, DamageModel};
+use crate::operators::{Damage, DamageFields, Elastic, Response};
+use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
 
 use super::bands::Bands;
 use super::properties::Properties;
@@ -23,10 +23,12 @@ pub(super) fn build<const D: usize>(
 ) -> Option<Damage<D>> {
     let damage = plan.damage.as_ref()?;
     let law = DamageLaw {
+        model: damage.model,
+        exponent: damage.exponent,
+        friction: damage.friction,
         split: damage.split,
         residual_stiffness: damage.residual_stiffness,
         hourglass: damage.hourglass,
-        prestress: (mechanics.initial_stress.as_ref()).map_or_else(Matrix::zeros, tensor),
     };
     let horizon = &elastic.around.families.horizon;
     // A band as wide as the horizon sees takes 2δ G_c/ℓ per area, not G_c.
@@ -43,36 +45,85 @@ pub(super) fn build<const D: usize>(
         let point = point as usize;
         initial[point] = law.history(BROKEN, toughness[point]);
     }
-    Some(Damage::new(law, toughness, initial))
+    let mut built = Damage::new(law, toughness, initial);
+    if let Some(stress) = &mechanics.initial_stress {
+        built.prestress = vec![tensor(stress); elastic.points()];
+    }
+    if law.model == DamageModel::Split {
+        built.initial_normal = normals(plan, elastic, bands);
+    }
+    Some(built)
+}
+
+/// Normals of the cracks that are there from the start, shape `(n·D,)`, zero elsewhere: that of the nearest one.
+fn normals<const D: usize>(plan: &Plan, elastic: &Elastic<D>, bands: &Bands) -> Vec<f64> {
+    let cloud = &elastic.around.cloud;
+    let mut normals = vec![0.0; D * cloud.len()];
+    let mut nearest = vec![f64::INFINITY; cloud.len()];
+    for (crack, band) in plan.cracks.iter().zip(&bands.points) {
+        for &point in band {
+            let point = point as usize;
+            let Some((distance, normal)) = crack_normal(crack, &cloud.position[point]) else {
+                continue;
+            };
+            if distance < nearest[point] {
+                nearest[point] = distance;
+                normals[point * D..][..D].copy_from_slice(normal.as_slice());
+            }
+        }
+    }
+    normals
+}
+
+/// Distance to the nearest part of a crack, m, and the unit normal there.
+fn crack_normal<const D: usize>(crack: &CrackPlan, x: &Vector<D>) -> Option<(f64, Vector<D>)> {
+    match &crack.place {
+        CrackPlace::Chain(points) => {
+            let chain = Crack {
+                points: points.iter().map(|x| vector(x)).collect(),
+            };
+            chain.nearest(x)
+        }
+        CrackPlace::Disc { centre, normal, .. } => {
+            let normal = vector::<D>(normal);
+            Some(((x - vector(centre)).dot(&normal).abs(), normal))
+        }
+    }
 }
 
 impl<const D: usize> SolidModel<D> {
-    /// Response of a solid with damage to a displacement after `history`, J/m³; `None` without damage.
+    /// Response of a solid with damage to a displacement; `None` without damage.
     pub fn response(
         &self,
         displacement: &[f64],
         walls: &[f64],
-        history: &[f64],
+        fields: DamageFields<'_>,
     ) -> Option<Response<D>> {
         let difference = |owner, bond| self.difference(displacement, walls, owner, bond);
         let damage = self.damage.as_ref()?;
-        let response = || damage.response(&self.elastic, history, difference);
+        let response = || damage.response(&self.elastic, fields, difference);
         Some(self.timers.time("laws", response))
     }
 
-    /// Takes the internal force off `force`, shape `(n·D,)`, N, with damage after `history` if there is
-    /// any.
-    pub fn subtract_force(
-        &self,
-        displacement: &[f64],
-        walls: &[f64],
-        history: &[f64],
-        force: &mut [f64],
-    ) {
-        match self.response(displacement, walls, history) {
-            Some(response) => self.subtract_internal_force(&response, force),
-            None => self.subtract_internal(displacement, walls, force),
+    /// Forces that what cracks have released would exert on the points, shape `(n·D,)`, N: the push of the fluid in
+    /// them and the stress that they lost. Empty where nothing is open, and in the model of the paper.
+    pub fn crack_force(&self, response: &Response<D>) -> Vec<f64> {
+        let is_open = |plane: &CrackPlane<D>| plane.open && plane.opening > 0.0;
+        if !response.planes.iter().any(is_open) {
+            return Vec::new();
         }
+        let (elastic, families) = (&self.elastic, &self.elastic.around.families);
+        let mut forces = vec![Vector::zeros(); families.bonds()];
+        for (i, plane) in response.planes.iter().enumerate().filter(|(_, p)| p.open) {
+            let lost = 1.0 - response.hourglass[i];
+            let stress = plane.released * (lost * elastic.around.cloud.volume[i]);
+            let family = families.family(i);
+            let weights = &elastic.gradient.weight[family.clone()];
+            for (force, weight) in forces[family].iter_mut().zip(weights) {
+                *force = stress * weight;
+            }
+        }
+        elastic.gather(&forces)
     }
 
     /// Takes the internal force of a response off `force`, shape `(n·D,)`, N.

@@ -186,6 +186,24 @@ impl<const D: usize> FlowModel<D> {
         self.refills.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// Adds conductances of bonds (owner, bond, m^D/(Pa s)) to L; none through sides of prescribed pressure.
+    pub fn add_conductances(&mut self, bonds: impl Iterator<Item = (usize, usize, f64)>) {
+        let families = &self.operator.neighbourhood().families;
+        let pattern = &self.pattern;
+        for (owner, bond, value) in bonds {
+            if self.extension.sign(families.image(bond)) < 0.0 {
+                continue;
+            }
+            let end = families.neighbour(bond);
+            for (row, column) in [(owner, end), (end, owner)] {
+                if let Some(place) = pattern.find(row, column) {
+                    self.conductance[place] -= value;
+                    self.conductance[pattern.diagonal(row)] += value;
+                }
+            }
+        }
+    }
+
     /// How often L was filled, by this model and those it shares its parts with.
     pub fn refills(&self) -> u64 {
         self.refills.load(Ordering::Relaxed)

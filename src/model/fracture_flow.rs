@@ -1,18 +1,21 @@
-//! Flow where rock is broken: properties between those of rock and of a crack (Eqs. 40 to 46).
+//! Flow where rock is broken: in the split model along the crack beside the flow in the rock, in that of the paper
+//! with properties between those of rock and of a crack (Eqs. 40 to 46).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use super::crack_flow::{CrackFlow, WET};
 use super::{Coupling, FlowModel, Model, SolidModel};
 use crate::effects::aperture;
+use crate::material::DamageModel;
 use crate::operators::Response;
 use crate::plan::{FractureFlowPlan, Plan, TransmissivityRule};
 
 /// Properties of the intact rock, and how they change with damage.
-#[derive(Debug, Clone)]
-pub struct FractureFlow {
+#[derive(Clone)]
+pub struct FractureFlow<const D: usize> {
     /// What the plan says.
     pub plan: FractureFlowPlan,
     /// Permeability of the rock per point, m².
@@ -25,6 +28,8 @@ pub struct FractureFlow {
     viscosity: f64,
     /// Opening per point, m, shape `(n,)`; 0 where the rock is intact.
     pub aperture: Vec<f64>,
+    /// Fluid in cracks, in the split model.
+    pub cracks: Option<CrackFlow<D>>,
     /// Openings evaluated so far, by all clones.
     evaluations: Arc<AtomicU64>,
 }
@@ -32,15 +37,17 @@ pub struct FractureFlow {
 /// Damage below the upper threshold that counts as it: damage never reaches 1.
 const NEARLY: f64 = 1e-3;
 
-impl FractureFlow {
+impl<const D: usize> FractureFlow<D> {
     /// Keeps the properties of the rock; `None` if the plan does not name flow in fractures.
-    pub(super) fn of<const D: usize>(
+    pub(super) fn of(
         plan: &Plan,
         flow: Option<&FlowModel<D>>,
         coupling: Option<&Coupling>,
         permeability: &[f64],
     ) -> Option<Self> {
         let (own, flow, coupling) = (plan.fracture_flow?, flow?, coupling?);
+        let split = plan.damage.is_some_and(|damage| damage.model == DamageModel::Split);
+        let around = || flow.operator.shared_neighbourhood();
         Some(FractureFlow {
             plan: own,
             permeability: permeability.to_vec(),
@@ -48,6 +55,7 @@ impl FractureFlow {
             weight: coupling.divergence.weight.clone(),
             viscosity: plan.fluid.viscosity,
             aperture: vec![0.0; flow.points()],
+            cracks: split.then(|| CrackFlow::new(around(), &flow.initial, own.residual_aperture)),
             evaluations: Arc::default(),
         })
     }
@@ -59,11 +67,16 @@ impl FractureFlow {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        8 * 4 * self.aperture.len()
+        8 * 4 * self.aperture.len() + self.cracks.as_ref().map_or(0, CrackFlow::bytes)
     }
 
     /// Share χ_f of a fracture at a damage (Eqs. 43 and 44).
+    ///
+    /// In the split model a point is wet or not.
     pub fn share(&self, damage: f64) -> f64 {
+        if self.cracks.is_some() {
+            return f64::from(damage > WET);
+        }
         let (low, high) = (
             self.plan.lower_threshold,
             self.plan.upper_threshold - NEARLY,
@@ -85,7 +98,7 @@ impl FractureFlow {
     }
 
     /// Openings of all broken points.
-    fn open<const D: usize>(
+    fn open(
         &mut self,
         solid: &SolidModel<D>,
         response: &Response<D>,
@@ -117,6 +130,42 @@ impl FractureFlow {
     }
 }
 
+impl<const D: usize> FractureFlow<D> {
+    /// Brings the fluid in cracks to a response, and what it conducts into L.
+    fn fill_cracks(
+        &mut self,
+        solid: &SolidModel<D>,
+        response: &Response<D>,
+        flow: &mut FlowModel<D>,
+        permeability: &mut [f64],
+    ) {
+        let Some(cracks) = &mut self.cracks else { return };
+        cracks.follow(&solid.elastic, response);
+        let evaluated = (0..flow.points()).filter(|i| cracks.is_wet(*i)).count();
+        self.evaluations
+            .fetch_add(evaluated as u64, Ordering::Relaxed);
+        self.conduct(flow, permeability);
+    }
+
+    /// Puts what cracks conduct into L beside the rock, and into the permeability of points, m².
+    pub(super) fn conduct(&mut self, flow: &mut FlowModel<D>, permeability: &mut [f64]) {
+        let Some(cracks) = &self.cracks else { return };
+        let viscosity = self.plan.viscosity.unwrap_or(self.viscosity);
+        flow.refill();
+        flow.add_conductances(cracks.conductances(viscosity, self.plan.permeability));
+        for (i, own) in cracks.opening.iter().enumerate() {
+            self.aperture[i] = own.opening;
+            let along = cracks.transmissivity(own.opening);
+            let crack = self.plan.permeability.unwrap_or(match own.width > 0.0 {
+                true => along / own.width,
+                false => 0.0,
+            });
+            let wet = if cracks.is_wet(i) { crack } else { 0.0 };
+            permeability[i] = self.permeability[i] + wet;
+        }
+    }
+}
+
 impl<const D: usize> Model<D> {
     /// Brings permeability, storage and Biot's coefficient to the damage and the openings of a state,
     /// and fills L anew; nothing without flow in fractures.
@@ -143,6 +192,10 @@ impl<const D: usize> Model<D> {
         else {
             return;
         };
+        if fracture.cracks.is_some() {
+            fracture.fill_cracks(solid, response, flow, permeability);
+            return;
+        }
         fracture.open(solid, response, displacement, walls);
         let horizon = &solid.elastic.around.families.horizon;
         let viscosity = fracture.plan.viscosity.unwrap_or(fracture.viscosity);

@@ -4,6 +4,7 @@ mod bands;
 mod cloud;
 mod coefficients;
 mod coupling;
+mod crack_flow;
 mod damage;
 mod darcy;
 mod diffusion;
@@ -16,6 +17,7 @@ mod level;
 mod operator_choice;
 mod places;
 mod properties;
+mod response;
 mod rounding;
 mod sample;
 mod solid;
@@ -29,12 +31,14 @@ pub use bands::Bands;
 pub use cloud::{build_cloud, build_families};
 pub use coefficients::Coefficients;
 pub use coupling::{Audit, Coupling};
+pub use crack_flow::{CrackFlow, DRY};
 pub use disc::Disc;
 pub use error::ModelError;
 pub use flow::{FixedPressure, FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
 pub use operator_choice::ChosenOperator;
 pub use places::{Faces, Places};
+pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
@@ -81,7 +85,7 @@ pub struct Model<const D: usize> {
     /// What couples the two.
     pub coupling: Option<Coupling>,
     /// How flow changes where rock breaks.
-    pub fracture_flow: Option<FractureFlow>,
+    pub fracture_flow: Option<FractureFlow<D>>,
     /// Points where fluid is pumped into each crack, with their shares; none where it is not.
     pub injections: Arc<Vec<Vec<(u32, f64)>>>,
     /// Where values between points are wanted.

@@ -4,21 +4,38 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::Elastic;
+use super::{Elastic, point_value};
 use crate::geometry::{Matrix, Vector};
-use crate::material::{DamageLaw, HourglassRule, PointResponse, Tangent, TangentKind};
+use crate::material::{
+    CrackPlane, DamageLaw, DamageModel, PointResponse, PointState, Tangent, TangentKind,
+};
 use crate::parallel::by_ranges;
 
 /// Damage at all points.
 #[derive(Debug)]
 pub struct Damage<const D: usize> {
     /// The law.
-    pub law: DamageLaw<D>,
-    /// G_c/ℓ per point, J/m³, shape `(n,)`.
+    pub law: DamageLaw,
+    /// Strength c per point, J/m³, shape `(n,)`.
     pub toughness: Vec<f64>,
+    /// Effective stress before the run, Pa, shape `(n,)`; empty where there is none.
+    pub prestress: Vec<Matrix<D>>,
     /// Largest driving energy before the run, J/m³, shape `(n,)`: cracks that are there from the start.
     pub initial: Vec<f64>,
+    /// Normals of those cracks, shape `(n·D,)`, zero elsewhere; empty in the model of the paper.
+    pub initial_normal: Vec<f64>,
     evaluations: AtomicU64,
+}
+
+/// What a state tells about the damage of its points.
+#[derive(Debug, Clone, Copy)]
+pub struct DamageFields<'a> {
+    /// Largest driving energy, J/m³, shape `(n,)`.
+    pub history: &'a [f64],
+    /// Settled normals of cracks, shape `(n·D,)`, zero where they are not; may be empty.
+    pub normal: &'a [f64],
+    /// What the fluid adds to the effective traction on a crack, Pa, shape `(n,)`; empty without fluid.
+    pub fluid: &'a [f64],
 }
 
 /// How a damaged solid responds to a displacement.
@@ -28,10 +45,14 @@ pub struct Response<const D: usize> {
     pub forces: Vec<Vector<D>>,
     /// Strain per point, shape `(n,)`.
     pub strain: Vec<Matrix<D>>,
+    /// Effective stress per point, Pa, shape `(n,)`.
+    pub stress: Vec<Matrix<D>>,
     /// Driving energy per point, J/m³, shape `(n,)`.
     pub driving: Vec<f64>,
     /// Damage per point, shape `(n,)`.
     pub damage: Vec<f64>,
+    /// Planes of cracks, shape `(n,)`; empty in the model of the paper.
+    pub planes: Vec<CrackPlane<D>>,
     /// Share of the hourglass stiffness that is left per family, shape `(n,)`.
     pub hourglass: Vec<f64>,
     /// Hourglass energy per family that drives no damage, J, shape `(n,)`.
@@ -54,39 +75,62 @@ impl<const D: usize> Response<D> {
             .map(|(hourglass_energy, left)| left * hourglass_energy);
         self.bulk + hourglass_energy.sum::<f64>()
     }
+
+    /// A response of no points yet.
+    fn with_capacity(forces: Vec<Vector<D>>, points: usize) -> Self {
+        Response {
+            forces,
+            strain: Vec::with_capacity(points),
+            stress: Vec::with_capacity(points),
+            driving: Vec::with_capacity(points),
+            damage: Vec::with_capacity(points),
+            planes: Vec::new(),
+            hourglass: Vec::with_capacity(points),
+            hourglass_energy: Vec::with_capacity(points),
+            bulk: 0.0,
+        }
+    }
 }
 
 impl<const D: usize> Damage<D> {
     /// Damage with the given law and strength.
-    pub fn new(law: DamageLaw<D>, toughness: Vec<f64>, initial: Vec<f64>) -> Self {
+    pub fn new(law: DamageLaw, toughness: Vec<f64>, initial: Vec<f64>) -> Self {
         Damage {
             law,
             toughness,
+            prestress: Vec::new(),
             initial,
+            initial_normal: Vec::new(),
             evaluations: AtomicU64::new(0),
         }
     }
 
-    /// Response of one point with the hourglass energy of its family, J.
-    pub fn at(
+    /// What a point is and what it has been through.
+    pub fn point(
         &self,
         elastic: &Elastic<D>,
-        history: &[f64],
+        fields: DamageFields<'_>,
         owner: usize,
-        strain: &Matrix<D>,
-        hourglass_energy: f64,
-    ) -> PointResponse<D> {
-        let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
-        let hourglass_energy = hourglass_energy / elastic.around.cloud.volume[owner];
-        self.law
-            .response(lame, toughness, history[owner], strain, hourglass_energy)
+    ) -> PointState<D> {
+        let normal: Vector<D> = match fields.normal.is_empty() {
+            true => Vector::zeros(),
+            false => point_value(fields.normal, owner),
+        };
+        PointState {
+            lame: elastic.lame[owner],
+            toughness: self.toughness[owner],
+            history: fields.history[owner],
+            prestress: (self.prestress.get(owner).copied()).unwrap_or_else(Matrix::zeros),
+            normal: (normal.norm_squared() > 0.0).then_some(normal),
+            fluid: fields.fluid.get(owner).copied().unwrap_or(0.0),
+        }
     }
 
-    /// Response to bond differences `difference(owner, bond)` in m after `history` (shape `(n,)`, J/m³).
+    /// Response to bond differences `difference(owner, bond)` in m.
     pub fn response(
         &self,
         elastic: &Elastic<D>,
-        history: &[f64],
+        fields: DamageFields<'_>,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Response<D> {
         let families = &elastic.around.families;
@@ -95,23 +139,17 @@ impl<const D: usize> Damage<D> {
             let mut seen = None;
             let difference = |bond| difference(owner, bond);
             let response = |strain: &Matrix<D>, hourglass_energy: f64| {
-                let point = self.at(elastic, history, owner, strain, hourglass_energy);
-                seen = Some((*strain, point));
-                (point.stress, self.law.hourglass(point.damage))
+                let point = self.point(elastic, fields, owner);
+                let density = hourglass_energy / elastic.around.cloud.volume[owner];
+                let response = self.law.response(&point, strain, density);
+                seen = Some((*strain, response));
+                (response.stress, response.hourglass)
             };
             let hourglass_energy = elastic.family_response(owner, difference, response, forces);
             (seen, hourglass_energy)
         });
-        let mut response = Response {
-            forces,
-            strain: Vec::with_capacity(points.len()),
-            driving: Vec::with_capacity(points.len()),
-            damage: Vec::with_capacity(points.len()),
-            hourglass: Vec::with_capacity(points.len()),
-            hourglass_energy: Vec::with_capacity(points.len()),
-            bulk: 0.0,
-        };
-        let mut evaluated = 0;
+        let mut response = Response::with_capacity(forces, points.len());
+        let (mut evaluated, variational) = (0, self.law.is_variational());
         for (owner, (seen, hourglass_energy)) in points.into_iter().enumerate() {
             let Some((strain, point)) = seen else {
                 continue;
@@ -119,31 +157,37 @@ impl<const D: usize> Damage<D> {
             evaluated += 1;
             let volume = elastic.around.cloud.volume[owner];
             response.bulk += volume * point.energy;
-            response.hourglass.push(self.law.hourglass(point.damage));
-            response.hourglass_energy.push(match self.law.hourglass {
-                HourglassRule::Variational => 0.0,
-                HourglassRule::Linear => hourglass_energy,
-            });
+            let apart = if variational { 0.0 } else { hourglass_energy };
+            response.hourglass_energy.push(apart);
             response.strain.push(strain);
-            response.driving.push(point.driving);
-            response.damage.push(point.damage);
+            self.take(&mut response, point);
         }
         self.evaluations.fetch_add(evaluated, Ordering::Relaxed);
         response
+    }
+
+    fn take(&self, response: &mut Response<D>, point: PointResponse<D>) {
+        response.stress.push(point.stress);
+        response.hourglass.push(point.hourglass);
+        response.driving.push(point.driving);
+        response.damage.push(point.damage);
+        if self.law.model == DamageModel::Split {
+            response.planes.push(point.plane);
+        }
     }
 
     /// Tangents at a response.
     pub fn tangents(
         &self,
         elastic: &Elastic<D>,
-        history: &[f64],
+        fields: DamageFields<'_>,
         response: &Response<D>,
         softening: TangentKind,
     ) -> Vec<Tangent<D>> {
         let at = |(owner, strain): (usize, &Matrix<D>)| {
-            let (lame, toughness) = (elastic.lame[owner], self.toughness[owner]);
-            let seen = (history[owner], response.driving[owner]);
-            self.law.tangent(lame, toughness, seen, strain, softening)
+            let point = self.point(elastic, fields, owner);
+            self.law
+                .tangent(&point, response.driving[owner], strain, softening)
         };
         response.strain.par_iter().enumerate().map(at).collect()
     }
@@ -153,24 +197,28 @@ impl<const D: usize> Damage<D> {
     pub fn drive(
         &self,
         elastic: &Elastic<D>,
+        fields: DamageFields<'_>,
         response: &Response<D>,
         owner: usize,
         drive: &mut [Vector<D>],
     ) {
-        let parts = self.law.parts(elastic.lame[owner], &response.strain[owner]);
         let volume = elastic.around.cloud.volume[owner];
-        let (degraded_stress, intact_stress) =
-            (parts.degraded_stress * volume, parts.intact_stress * volume);
-        let left = self.law.degradation(response.damage[owner]);
+        let direction = match response.planes.get(owner) {
+            Some(plane) => plane.released,
+            None => {
+                let point = self.point(elastic, fields, owner);
+                self.law.parts(&point, &response.strain[owner]).degraded_stress
+            }
+        } * volume;
+        let stress = response.stress[owner] * volume;
+        let left = response.hourglass[owner];
         let family = elastic.around.families.family(owner);
         for (bond, drive) in family.zip(drive) {
             let weight = &elastic.gradient.weight[bond];
-            *drive = match self.law.hourglass {
-                HourglassRule::Variational => {
-                    (response.forces[bond] - intact_stress * weight) / left
-                }
-                HourglassRule::Linear => degraded_stress * weight,
-            };
+            *drive = direction * weight;
+            if self.law.is_variational() {
+                *drive += (response.forces[bond] - stress * weight) / left;
+            }
         }
     }
 
@@ -178,6 +226,16 @@ impl<const D: usize> Damage<D> {
     pub fn advance(&self, driving: &[f64], history: &mut [f64]) {
         for (history, driving) in history.iter_mut().zip(driving) {
             *history = history.max(*driving);
+        }
+    }
+
+    /// Settles the normals (shape `(n·D,)`) of points that a response has broken.
+    pub fn settle(&self, response: &Response<D>, normal: &mut [f64]) {
+        let own = normal.chunks_mut(D).zip(&response.planes);
+        for ((own, plane), damage) in own.zip(&response.damage) {
+            if *damage > SETTLED && own.iter().all(|n| *n == 0.0) {
+                own.copy_from_slice(plane.normal.as_slice());
+            }
         }
     }
 
@@ -189,7 +247,7 @@ impl<const D: usize> Damage<D> {
             .collect()
     }
 
-    /// Energy that damage took since the start, Σ V (G_c/ℓ) s² without that of the initial cracks, J
+    /// Energy that damage took since the start, Σ V c s² without that of the initial cracks, J
     /// (per metre of thickness in 2-D).
     pub fn dissipated(&self, volume: &[f64], history: &[f64]) -> f64 {
         let taken = |i: usize| {
@@ -206,6 +264,11 @@ impl<const D: usize> Damage<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        8 * (self.toughness.len() + self.initial.len())
+        let scalars = self.toughness.len() + self.initial.len() + self.initial_normal.len();
+        8 * (scalars + D * D * self.prestress.len())
     }
 }
+
+/// Damage beyond which the normal of a crack no longer turns. Form E with turning normals and with normals settled
+/// there gives the same cracks (CRACKS.md).
+const SETTLED: f64 = 2.0 / 3.0;

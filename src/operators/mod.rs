@@ -24,7 +24,7 @@ mod neighbourhood;
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
 pub use crossings::Crossings;
-pub use damage::{Damage, Response};
+pub use damage::{Damage, DamageFields, Response};
 pub use divergence::Divergence;
 pub use elastic::{Elastic, point_value};
 pub use extension::{MirrorContinuation, Parity};
@@ -34,6 +34,8 @@ pub use hourglass::Hourglass;
 pub use neighbourhood::Neighbourhood;
 
 pub use crate::material::Lame;
+
+use std::sync::Arc;
 
 use crate::geometry::{Matrix, Vector};
 
@@ -53,6 +55,9 @@ pub trait BondForm<const D: usize>: Send + Sync {
 
     /// The families the form lives on.
     fn neighbourhood(&self) -> &Neighbourhood<D>;
+
+    /// The same, shared.
+    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>>;
 
     /// Geometric factor of one bond of `owner`: its conductance for unit mobility, m^(D−2).
     fn geometric(&self, owner: usize, bond: usize) -> f64;

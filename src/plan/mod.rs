@@ -21,7 +21,7 @@ pub use resolve::{resolve, resolve_any, resolve_for};
 pub use setup::Setup;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
-    DamageMethod, DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,
+    DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,
     GradientChoice, GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan,
     MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
     ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition,

@@ -150,15 +150,7 @@ impl<const D: usize> Run<'_, D> {
         state: &State,
         balance: &mut Balance,
     ) -> f64 {
-        let State {
-            time,
-            pressure,
-            displacement,
-            walls,
-            history,
-            ..
-        } = state;
-        let audit = model.audit(*time, pressure, displacement, walls, history);
+        let audit = model.audit(&state.view());
         balance.energy = audit.as_ref().map(|audit| audit.energy);
         balance.potential = audit.as_ref().map(|audit| audit.potential);
         let Some(audit) = audit else { return 0.0 };
@@ -265,10 +257,14 @@ impl Stored {
         let Some(flow) = &model.flow else {
             return Stored::default();
         };
-        let content = match model.coupling {
+        let mut content = match model.coupling {
             Some(_) => model.content(&state.displacement, &state.walls),
             None => Vec::new(),
         };
+        if model.has_crack_content() {
+            let cracks = model.crack_content(model.response(&state.view()).as_ref());
+            content.iter_mut().zip(cracks).for_each(|(c, own)| *c += own);
+        }
         let pairs = flow.capacity.iter().zip(&state.pressure);
         let size: f64 = pairs.map(|(c, p)| (c * p).abs()).sum();
         Stored {

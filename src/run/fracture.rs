@@ -47,7 +47,7 @@ impl Fractures {
         let forces = match solid.walls.is_empty() {
             true => Vec::new(),
             false => {
-                let response = solid.response(&state.displacement, &state.walls, &state.history)?;
+                let response = model.response(&state.view())?;
                 solid.wall_forces(&response)
             }
         };

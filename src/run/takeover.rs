@@ -115,6 +115,15 @@ impl<const D: usize> Taken<'_, D> {
                     pairs.map(|(then, own)| then.max(*own)).collect()
                 }
             },
+            normal: match then.normal.is_empty() {
+                true => initial.normal,
+                false => {
+                    let pairs = then.normal.chunks(D).zip(initial.normal.chunks(D));
+                    let settled = |own: &[f64]| own.iter().any(|n| *n != 0.0);
+                    let either = pairs.map(|(then, own)| if settled(then) { then } else { own });
+                    either.flatten().copied().collect()
+                }
+            },
             datum: match self.start.resets_displacement {
                 true => displacement.clone(),
                 false => then.datum.clone(),

@@ -296,13 +296,7 @@ impl<const D: usize> Stage<D> for Monolithic {
     ) -> Result<Increment, StepError> {
         let (flow, solid) = (flow_of(model)?, solid_of(model)?);
         let base = target.base;
-        let (force, _) = model.unbalanced(
-            target.time,
-            &base.pressure,
-            &base.displacement,
-            &base.walls,
-            &[],
-        );
+        let (force, _) = model.unbalanced(target.time, &base.view());
         let all = solid.wall_residual(target.time, &base.displacement, &base.walls, &base.pressure);
         let known = Known {
             force,

@@ -23,9 +23,9 @@ impl<const D: usize> QuasiStatic<D> {
 /// Keeps what the state drove: damage does not heal.
 pub fn advance<const D: usize>(model: &Model<D>, state: &mut State) {
     let Some(solid) = &model.solid else { return };
-    let response = solid.response(&state.displacement, &state.walls, &state.history);
-    if let (Some(damage), Some(response)) = (&solid.damage, response) {
+    if let (Some(damage), Some(response)) = (&solid.damage, model.response(&state.view())) {
         damage.advance(&response.driving, &mut state.history);
+        damage.settle(&response, &mut state.normal);
     }
 }
 

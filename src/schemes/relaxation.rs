@@ -90,24 +90,25 @@ impl Relaxation {
     /// Forces out of balance with the plates in equilibrium.
     fn forces<const D: usize>(
         &mut self,
-        solid: &SolidModel<D>,
+        model: &Model<D>,
         external: &[f64],
-        coupled: bool,
         state: &mut State,
     ) -> Vec<f64> {
+        let Some(solid) = &model.solid else {
+            return Vec::new();
+        };
+        let coupled = model.coupling.is_some();
         self.place_plates(solid, coupled, state);
         let mut force = external.to_vec();
-        let history = &state.history;
-        solid.subtract_force(&state.displacement, &state.walls, history, &mut force);
+        model.subtract_force(solid, &state.view(), &mut force);
         self.products += 1;
         force
     }
 
     fn relax<const D: usize>(
         &mut self,
-        solid: &SolidModel<D>,
+        model: &Model<D>,
         external: &[f64],
-        coupled: bool,
         bar: f64,
         state: &mut State,
         mut force: Vec<f64>,
@@ -126,7 +127,7 @@ impl Relaxation {
                 .iter_mut()
                 .zip(&motion.velocity)
                 .for_each(|(u, v)| *u += v);
-            let next = self.forces(solid, external, coupled, state);
+            let next = self.forces(model, external, state);
             motion.measure::<D>(&force, &next, &state.displacement);
             motion.settle::<D>(&next);
             force = next;
@@ -142,7 +143,7 @@ impl Relaxation {
             outcome = Err(size);
         }
         self.stiffness.copy_from_slice(&motion.stiffness);
-        self.mass = Some((solid.refills, mass));
+        self.mass = Some((solid_of(model)?.refills, mass));
         let done = *outcome.as_ref().unwrap_or(&self.options.adr_iterations);
         self.iterations += done as u64;
         if interrupted() {
@@ -278,8 +279,11 @@ impl<const D: usize> SolidSolver<D> for Relaxation {
         self.prepare(solid)?;
         solid.place_walls(state.time, &mut state.walls);
         let external = external(solid, model.coupling.as_ref(), state);
-        let coupled = model.coupling.is_some();
-        let force = self.forces(solid, &external, coupled, state);
+        let force = self.forces(model, &external, state);
+        let released = match model.response(&state.view()) {
+            Some(response) => solid.crack_force(&response),
+            None => Vec::new(),
+        };
         let walls: f64 = solid
             .walls
             .iter()
@@ -292,7 +296,8 @@ impl<const D: usize> SolidSolver<D> for Relaxation {
             })
             .sum();
         let drive = solid.drive(state.time).powi(2);
-        let bar = self.options.adr_tolerance * (dot(&external, &external) + walls + drive).sqrt();
+        let squares = dot(&external, &external) + dot(&released, &released);
+        let bar = self.options.adr_tolerance * (squares + walls + drive).sqrt();
         let size = norm2(&force);
         if self.options.solid == SolidMethod::Verlet
             || (self.options.solid == SolidMethod::Switched && size <= bar)
@@ -303,7 +308,7 @@ impl<const D: usize> SolidSolver<D> for Relaxation {
         if size <= bar {
             return Ok(0);
         }
-        self.relax(solid, &external, coupled, bar, state, force)
+        self.relax(model, &external, bar, state, force)
     }
 
     fn accuracy(&self) -> f64 {

@@ -266,13 +266,7 @@ impl Assembled {
         solid: &SolidModel<D>,
         state: &State,
     ) -> Imbalance {
-        let (force, scale) = model.unbalanced(
-            state.time,
-            &state.pressure,
-            &state.displacement,
-            &state.walls,
-            &state.history,
-        );
+        let (force, scale) = model.unbalanced(state.time, &state.view());
         let plates = self.plate_forces(model, solid, state);
         let sum: f64 = force.iter().chain(&plates).map(|f| f.abs()).sum();
         let scale = scale + solid.drive(state.time);

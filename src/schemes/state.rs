@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Memory, StepError};
-use crate::model::{Coefficients, Model};
+use crate::model::{Coefficients, Fields, Model};
 
 /// Fields of a run at one time. A field that the scene does not call for is empty.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,8 @@ pub struct State {
     /// Largest driving energy of damage at the end of the steps so far, J/m³, shape `(n,)`; only with
     /// damage.
     pub history: Vec<f64>,
+    /// Normals of cracks that are settled, shape `(n·D,)`, zero elsewhere; only with damage in the split model.
+    pub normal: Vec<f64>,
     /// Displacement from which outputs count, m, shape `(n·D,)`; empty where they count from none.
     pub datum: Vec<f64>,
     /// The same of the walls, m, shape `(walls,)`.
@@ -71,10 +73,25 @@ impl State {
             history: solid
                 .and_then(|solid| solid.damage.as_ref())
                 .map_or_else(Vec::new, |damage| damage.initial.clone()),
+            normal: solid
+                .and_then(|solid| solid.damage.as_ref())
+                .map_or_else(Vec::new, |damage| damage.initial_normal.clone()),
             datum: Vec::new(),
             datum_walls: Vec::new(),
             coefficients: model.coefficients(),
             memory: Memory::default(),
+        }
+    }
+
+    /// The fields as the model looks at them.
+    pub fn view(&self) -> Fields<'_> {
+        Fields {
+            time: self.time,
+            pressure: &self.pressure,
+            displacement: &self.displacement,
+            walls: &self.walls,
+            history: &self.history,
+            normal: &self.normal,
         }
     }
 
@@ -96,6 +113,7 @@ impl State {
             ("velocity", &self.velocity),
             ("walls", &self.walls),
             ("history", &self.history),
+            ("normal", &self.normal),
             ("datum", &self.datum),
         ];
         let held = all.into_iter().filter(|(_, field)| !field.is_empty());

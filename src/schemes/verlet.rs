@@ -56,13 +56,7 @@ impl Verlet {
         solid: &SolidModel<D>,
         state: &State,
     ) -> Vec<f64> {
-        let (mut force, _) = model.unbalanced(
-            state.time,
-            &state.pressure,
-            &state.displacement,
-            &state.walls,
-            &state.history,
-        );
+        let (mut force, _) = model.unbalanced(state.time, &state.view());
         self.products += 1;
         for (point, mass) in solid.mass.iter().enumerate() {
             force[point * D..(point + 1) * D]

@@ -1,6 +1,6 @@
 //! The energy's two parts and their stresses.
 
-use super::{DamageLaw, EnergySplit};
+use super::{DamageLaw, EnergySplit, PointState};
 use crate::geometry::Matrix;
 use crate::material::Lame;
 use crate::material::eigen::eigen;
@@ -18,23 +18,28 @@ pub struct SplitEnergies<const D: usize> {
     pub intact_stress: Matrix<D>,
 }
 
-impl<const D: usize> DamageLaw<D> {
+impl DamageLaw {
     /// Splits energy and stress of a strain (plane strain in 2-D).
-    pub fn parts(&self, lame: Lame, strain: &Matrix<D>) -> SplitEnergies<D> {
+    pub fn parts<const D: usize>(
+        &self,
+        point: &PointState<D>,
+        strain: &Matrix<D>,
+    ) -> SplitEnergies<D> {
+        let lame = point.lame;
         let mut parts = match self.split {
             EnergySplit::Spectral => spectral(lame, strain),
             EnergySplit::VolumetricDeviatoric => volumetric(lame, strain),
             EnergySplit::None => whole(lame, strain),
         };
-        parts.tensile_energy += self.prestress.dot(strain);
-        parts.degraded_stress += self.prestress;
+        parts.tensile_energy += point.prestress.dot(strain);
+        parts.degraded_stress += point.prestress;
         parts
     }
 }
 
-impl<const D: usize> DamageLaw<D> {
+impl DamageLaw {
     /// Stresses across the plane of plane strain, σ⁺ and σ⁻ without σ⁰, Pa.
-    pub fn across(&self, lame: Lame, strain: &Matrix<D>) -> [f64; 2] {
+    pub fn across<const D: usize>(&self, lame: Lame, strain: &Matrix<D>) -> [f64; 2] {
         let trace = strain.trace();
         let (up, down) = (trace.max(0.0), trace.min(0.0));
         match self.split {

@@ -1,22 +1,26 @@
 //! The derivative of the stress.
 
-use super::{DamageLaw, EnergySplit};
+use super::{DamageLaw, DamageModel, EnergySplit, PointState};
 use crate::geometry::{Matrix, Vector};
 use crate::material::Lame;
 use crate::material::eigen::eigen;
 
-/// Stiffness of one point: λ tr(X) I + Q (Θ ∘ QᵀXQ) Qᵀ + q (S:X) S for a strain X.
+/// Stiffness of one point: λ tr(X) I + Q (Θ ∘ QᵀXQ) Qᵀ + r (N:X) N + q (S:X) S for a strain X.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tangent<const D: usize> {
     /// λ, Pa.
     pub lambda: f64,
-    /// Q, the principal axes of the strain as columns.
+    /// Q as columns: the principal axes of the strain, or the normal of a crack and axes of its plane.
     pub basis: Matrix<D>,
     /// Θ, Pa; symmetric.
     pub shear: Matrix<D>,
+    /// r, 1/Pa, not positive: what a crack releases at fixed damage.
+    pub release: f64,
+    /// N, Pa.
+    pub cut: Matrix<D>,
     /// q, 1/Pa, not positive: the damage that a strain brings.
     pub softening: f64,
-    /// S = σ⁺ + σ⁰, Pa.
+    /// S, Pa: the derivative of the driving energy without hourglass.
     pub direction: Matrix<D>,
 }
 
@@ -32,7 +36,7 @@ pub enum TangentKind {
 }
 
 /// Share of the positive part of a tangent that bounded softening may take.
-const BOUND: f64 = 0.9;
+pub(super) const BOUND: f64 = 0.9;
 
 impl<const D: usize> Tangent<D> {
     /// Tangent of a point without damage.
@@ -41,6 +45,8 @@ impl<const D: usize> Tangent<D> {
             lambda: lame.lambda,
             basis: Matrix::identity(),
             shear: Matrix::repeat(2.0 * lame.mu),
+            release: 0.0,
+            cut: Matrix::zeros(),
             softening: 0.0,
             direction: Matrix::zeros(),
         }
@@ -51,6 +57,7 @@ impl<const D: usize> Tangent<D> {
         let inner = (self.basis.transpose() * strain * self.basis).component_mul(&self.shear);
         Matrix::identity() * (self.lambda * strain.trace())
             + self.basis * inner * self.basis.transpose()
+            + self.cut * (self.release * self.cut.dot(strain))
             + self.direction * (self.softening * self.direction.dot(strain))
     }
 
@@ -82,7 +89,9 @@ impl<const D: usize> Tangent<D> {
             self.basis * self.shear.component_mul(&Matrix::identity()) * self.basis.transpose();
         let its =
             other.basis * other.shear.component_mul(&Matrix::identity()) * other.basis.transpose();
-        let soft = |t: &Self| t.direction * t.direction.norm() * t.softening;
+        let soft = |t: &Self| {
+            t.direction * t.direction.norm() * t.softening + t.cut * t.cut.norm() * t.release
+        };
         let moved = (self.lambda - other.lambda).abs()
             + (own - its).amax()
             + (self.shear - other.shear).amax()
@@ -91,18 +100,31 @@ impl<const D: usize> Tangent<D> {
     }
 }
 
-impl<const D: usize> DamageLaw<D> {
-    /// Tangent at `strain` of a point with the driving energy `driving` that has seen `history`, both in
-    /// J/m³. Hourglass energy in the driving one softens too, but not by stress.
-    pub fn tangent(
+impl DamageLaw {
+    /// Tangent at `strain` of a point whose driving energy is `driving`, J/m³. Hourglass energy in the driving
+    /// one softens too, but not by stress.
+    pub fn tangent<const D: usize>(
         &self,
-        lame: Lame,
-        toughness: f64,
-        (history, driving): (f64, f64),
+        point: &PointState<D>,
+        driving: f64,
         strain: &Matrix<D>,
         softening: TangentKind,
     ) -> Tangent<D> {
-        let parts = self.parts(lame, strain);
+        match self.model {
+            DamageModel::Split => self.cut_tangent(point, driving, strain, softening),
+            DamageModel::Paper => self.paper_tangent(point, driving, strain, softening),
+        }
+    }
+
+    fn paper_tangent<const D: usize>(
+        &self,
+        point: &PointState<D>,
+        driving: f64,
+        strain: &Matrix<D>,
+        softening: TangentKind,
+    ) -> Tangent<D> {
+        let (lame, toughness, history) = (point.lame, point.toughness, point.history);
+        let parts = self.parts(point, strain);
         let damage = self.damage(history.max(driving), toughness);
         let left = self.degradation(damage);
         let mut tangent = match self.split {
@@ -114,11 +136,10 @@ impl<const D: usize> DamageLaw<D> {
             }),
         };
         if driving > history && softening != TangentKind::Secant {
-            let kept = 1.0 - self.residual_stiffness;
-            let exact = 2.0 * kept * kept * (1.0 - damage).powi(3) / toughness;
+            let exact = self.softening(driving, toughness);
             // S:C⁻¹:S is at most this, C being the positive part of the tangent without its factor.
             let size = parts.degraded_stress.norm_squared() / (2.0 * lame.mu);
-            let pure = self.prestress.norm_squared() <= 0.0;
+            let pure = point.prestress.norm_squared() <= 0.0;
             let size = if pure {
                 2.0 * parts.tensile_energy
             } else {
@@ -156,8 +177,7 @@ fn spectral<const D: usize>(lame: Lame, strain: &Matrix<D>, left: f64) -> Tangen
         lambda: lame.lambda * degraded(positive(strain.trace())),
         basis,
         shear: Matrix::from_fn(|a, b| 2.0 * lame.mu * degraded(share(a, b))),
-        softening: 0.0,
-        direction: Matrix::zeros(),
+        ..Tangent::elastic(lame)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::Resolver;
 use crate::plan::types::{
-    ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan, EnergySplit,
+    ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan,
+    EnergySplit, Exponent,
     FractureFlowPlan, HourglassRule, InjectionPlan, TransmissivityRule,
 };
 use crate::scene::quantity::values;
@@ -69,7 +70,18 @@ fn injection(injection: &scene::Injection, thickness: f64) -> InjectionPlan {
 /// Damage, if the scene names it, in a run to the time `end`, s.
 pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
     let damage = scene.damage.as_deref()?;
+    let model = match damage.model {
+        scene::DamageModel::Split => DamageModel::Split,
+        scene::DamageModel::Paper => DamageModel::Paper,
+    };
+    let exponent = match (damage.exponent.map(|m| m.value()), model) {
+        (Some(2.0), _) | (None, DamageModel::Paper) => Exponent::Two,
+        _ => Exponent::ThreeHalves,
+    };
     Some(DamagePlan {
+        model,
+        exponent,
+        friction: damage.friction.value(),
         length_scale: damage.length_scale.value(),
         split: match damage.split {
             scene::EnergySplit::Spectral => EnergySplit::Spectral,
@@ -98,6 +110,7 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
 
 pub(super) fn fracture_flow(flow: &scene::FractureFlow) -> FractureFlowPlan {
     FractureFlowPlan {
+        residual_aperture: flow.residual_aperture.value(),
         aperture: match flow.aperture {
             scene::Aperture::Normal => ApertureRule::Normal,
             scene::Aperture::Mean => ApertureRule::Mean,

@@ -2,11 +2,17 @@
 
 use serde::Serialize;
 
-pub use crate::material::{EnergySplit, HourglassRule};
+pub use crate::material::{DamageModel, EnergySplit, Exponent, HourglassRule};
 
 /// Variational damage (Eqs. 20 to 35).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamagePlan {
+    /// What damage does to rock.
+    pub model: DamageModel,
+    /// How fast stiffness goes with damage.
+    pub exponent: Exponent,
+    /// Coefficient of friction of faces that touch.
+    pub friction: f64,
     /// Length scale ℓ, m.
     pub length_scale: f64,
     /// Which part of the energy breaks the rock.
@@ -55,6 +61,8 @@ impl DamageMethod {
 /// Flow in what is broken (Eqs. 40 to 46).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FractureFlowPlan {
+    /// Hydraulic aperture of a closed fracture, m.
+    pub residual_aperture: f64,
     /// How the opening is found.
     pub aperture: ApertureRule,
     /// What the permeability of a crack stands for.

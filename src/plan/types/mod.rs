@@ -13,7 +13,8 @@ use serde::Serialize;
 
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
-    ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, HourglassRule,
+    ApertureRule, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FractureFlowPlan,
+    HourglassRule,
     TransmissivityRule,
 };
 pub use material::{MaterialPlan, PermeabilityPlan};

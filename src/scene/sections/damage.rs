@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Number, Time};
 use crate::scene::range::{Range, within};
 use crate::scene::span::{Span, Spanned};
@@ -12,6 +13,17 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Damage {
+    /// What damage does to rock.
+    #[serde(default)]
+    pub model: DamageModel,
+    /// Exponent m of the degradation (1 − s)^m, 1.5 or 2; 1.5 in the split model and 2 in that of the paper if
+    /// absent.
+    pub exponent: Option<Number>,
+    /// Coefficient of friction of the faces of cracks that touch; they open by as much of what they slide. Split
+    /// model only.
+    #[serde(default = "friction")]
+    #[schemars(transform = within(&FRICTION))]
+    pub friction: Number,
     /// Length scale ℓ over which damage is spread, m.
     pub length_scale: Length,
     /// Which part of the elastic energy breaks the rock.
@@ -63,6 +75,12 @@ const TOLERANCE: Range = Range {
     high: 1e-3,
     why: "rounding stops the iteration at less, and with more forces are out of balance while rock breaks",
 };
+const FRICTION: Range = Range {
+    key: "friction",
+    low: 0.0,
+    high: 10.0,
+    why: "faces that touch slide by less than all of what presses them, and rock has 0.4 to 1",
+};
 const ITERATIONS: Range = Range {
     key: "iterations",
     low: 1.0,
@@ -76,6 +94,19 @@ const LARGEST_INCREMENT: Range = Range {
     high: 1.0,
     why: "damage ends at 1, and steps that let hardly any grow never break the rock",
 };
+
+/// What damage does to rock.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DamageModel {
+    /// A broken point is cut by a plane: it loses the traction there, to which the fluid in the crack adds, and keeps
+    /// the stress along it. Compression never breaks it.
+    #[default]
+    Split,
+    /// A part of the strain's energy is lost (Eqs. 20 to 35): what the paper does. In-situ stress breaks rock under
+    /// compression, and the volume in a crack is not what was pumped.
+    Paper,
+}
 
 /// Splits of the elastic energy into what breaks the rock and what does not (Eq. 24).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
@@ -122,6 +153,10 @@ fn balance() -> Number {
     Number::si(1e-5)
 }
 
+fn friction() -> Number {
+    Number::si(0.6)
+}
+
 fn thousand() -> Spanned<u64> {
     Spanned::nowhere(1000)
 }
@@ -135,8 +170,16 @@ impl Section for Damage {
 
     fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
         report.positive("length_scale", self.length_scale);
+        if let Some(exponent) = self.exponent.filter(|m| ![1.5, 2.0].contains(&m.value())) {
+            let fault = Diagnostic::new(format!(
+                "`exponent` = {}: there are laws for 1.5 and 2 only",
+                exponent.value()
+            ));
+            report.add(fault.at(exponent.span()));
+        }
         RESIDUAL_STIFFNESS.check(self.residual_stiffness, report);
         TOLERANCE.check(self.tolerance, report);
+        FRICTION.check(self.friction, report);
         ITERATIONS.check_count(self.iterations, report);
         LARGEST_INCREMENT.check(self.largest_increment, report);
         let shortest = self.shortest_step;

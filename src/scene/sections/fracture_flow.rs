@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::diagnostics::Diagnostic;
-use crate::scene::quantity::{InversePressure, Number, Permeability, Viscosity};
+use crate::scene::quantity::{InversePressure, Length, Number, Permeability, Viscosity};
 use crate::scene::range::{Range, within};
 use crate::scene::span::Span;
 use crate::scene::validate::{Context, Report, Section};
@@ -13,7 +13,9 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FractureFlow {
-    /// How the aperture (opening) of a fracture is found from the bonds across it.
+    /// Hydraulic aperture of a fracture that is closed, m: open ones conduct (w³ + this³)/12; split model only.
+    pub residual_aperture: Length,
+    /// How the aperture (opening) of a fracture is found from the bonds across it; model of the paper only.
     pub aperture: Aperture,
     /// What the permeability of a fracture stands for.
     pub transmissivity: Transmissivity,
@@ -57,6 +59,7 @@ const BIOT_COEFFICIENT: Range = Range {
 impl Default for FractureFlow {
     fn default() -> Self {
         Self {
+            residual_aperture: Length::si(1e-5),
             aperture: Aperture::default(),
             transmissivity: Transmissivity::default(),
             lower_threshold: Number::si(0.5),
@@ -97,6 +100,7 @@ impl Section for FractureFlow {
     fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
         self.check_thresholds(report);
         BIOT_COEFFICIENT.check(self.biot_coefficient, report);
+        report.positive("residual_aperture", self.residual_aperture);
         self.storage
             .into_iter()
             .for_each(|storage| report.positive("storage", storage));

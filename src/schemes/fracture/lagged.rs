@@ -11,7 +11,7 @@
 //! full crack answers to its own opening with a pressure that is wrong a thousand times over.
 
 use super::compliance::Compliance;
-use super::flow::close;
+use super::flow::{StepStart, close};
 use crate::model::Model;
 use crate::plan::{Plan, SchemeChoice, SchemeOptions};
 use crate::schemes::limits::lagged_limit;
@@ -20,7 +20,7 @@ use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::stage::{Stage, Target};
 use crate::schemes::{
     ImplicitSystem, Relaxation, Scheme, SchemeCounters, SolidSolver, Staggered, State, StepError,
-    StepLimit, StepReport, coupling_of, flow_of, solid_of,
+    StepLimit, StepReport, coupling_of, flow_of,
 };
 
 /// Flow, then fracture, until both agree.
@@ -70,9 +70,8 @@ impl<const D: usize> LaggedFracture<D> {
 
     /// Brings coefficients, compliance and limit to the fractures of a state.
     fn follow(&mut self, model: &mut Model<D>, state: &State) -> Result<usize, StepError> {
-        let solid = solid_of(model)?;
-        let response = solid
-            .response(&state.displacement, &state.walls, &state.history)
+        let response = model
+            .response(&state.view())
             .ok_or(StepError::Missing { part: "[damage]" })?;
         model.follow_fractures(&response, &state.displacement, &state.walls);
         let (solid, relaxation) = (self.passes.solid(), self.options.relaxation);
@@ -135,7 +134,9 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         trial: &mut State,
     ) -> Result<StepReport, StepError> {
         self.recall(&old.memory);
+        let start = StepStart::new(model, old, dt);
         let mut now = model.clone();
+        now.begin_step(&old.pressure);
         let mut report = StepReport {
             iterations: self.follow(&mut now, old)?,
             ..StepReport::default()
@@ -164,7 +165,7 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         trial.set_sum(old, 1.0, &step);
         trial.check()?;
         let at = if self.explicit { old } else { &*trial };
-        close(model, old, trial, (dt, at), &mut report)?;
+        close(model, &start, trial, (dt, at), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);
         report.error = Rates::judge(model, (old, trial), dt)?;

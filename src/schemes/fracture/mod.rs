@@ -58,6 +58,8 @@ const ROUNDING: f64 = 1e-14;
 /// A displacement with what the solid answers to it.
 struct Trial<const D: usize> {
     response: Response<D>,
+    /// What fluid adds to the traction on cracks, Pa.
+    fluid: Vec<f64>,
     /// Forces out of balance, N.
     force: Vec<f64>,
     /// Work of the loads, J.
@@ -100,17 +102,19 @@ impl<const D: usize> Fracture<D> {
 
     fn evaluate(
         &self,
-        solid: &SolidModel<D>,
+        model: &Model<D>,
         state: &State,
         external: &[f64],
     ) -> Result<Trial<D>, StepError> {
-        residual_at(solid, state, external)
+        residual_at(model, state, external)
     }
 
     /// Scale of the forces, N.
     fn scale(&mut self, solid: &SolidModel<D>, external: &[f64], response: &Response<D>) -> f64 {
         let held: f64 = solid.wall_forces(response).iter().map(|f| f.abs()).sum();
-        let now = held + external.iter().map(|f| f.abs()).sum::<f64>();
+        let external: f64 = external.iter().map(|f| f.abs()).sum();
+        let released = solid.crack_force(response);
+        let now = held + external + released.iter().map(|f| f.abs()).sum::<f64>();
         self.largest = self.largest.max(now);
         now.max(REMEMBERED * self.largest)
     }
@@ -167,7 +171,7 @@ impl<const D: usize> Fracture<D> {
         let damage = damage_of(solid)?;
         let moved = self
             .tangent
-            .update(solid, damage, &state.history, &at.response, softening);
+            .update(solid, damage, state.view().damage(&at.fluid), &at.response, softening);
         self.fresh &= !moved;
         Ok(())
     }
@@ -201,7 +205,7 @@ impl<const D: usize> Fracture<D> {
     /// Walks along `change` until the potential has fallen enough; `None` if it does not.
     fn search(
         &mut self,
-        solid: &SolidModel<D>,
+        model: &Model<D>,
         state: &mut State,
         external: &[f64],
         at: &Trial<D>,
@@ -219,7 +223,7 @@ impl<const D: usize> Fracture<D> {
         let mut searches = 0;
         let reached = line_search(dot(&at.force, change), rounding, |length| {
             place(state, length);
-            let found = self.evaluate(solid, state, external)?;
+            let found = self.evaluate(model, state, external)?;
             searches += 1;
             Ok(LineSearch {
                 length,
@@ -239,17 +243,18 @@ impl<const D: usize> Fracture<D> {
 
 /// How a solid responds to the displacement of a state, and what forces that leaves.
 fn residual_at<const D: usize>(
-    solid: &SolidModel<D>,
+    model: &Model<D>,
     state: &State,
     external: &[f64],
 ) -> Result<Trial<D>, StepError> {
-    let response = solid
-        .response(&state.displacement, &state.walls, &state.history)
+    let response = model
+        .response(&state.view())
         .ok_or(StepError::Missing { part: "[damage]" })?;
     let mut force = external.to_vec();
-    solid.subtract_internal_force(&response, &mut force);
+    solid_of(model)?.subtract_internal_force(&response, &mut force);
     Ok(Trial {
         work: dot(external, &state.displacement),
+        fluid: model.fluid_traction(&state.pressure),
         response,
         force,
     })
@@ -285,11 +290,11 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
         let external = model.external_force(state.time, &state.pressure);
-        let mut at = self.evaluate(solid, state, &external)?;
+        let mut at = self.evaluate(model, state, &external)?;
         let mut iterations = 0;
         if let Some(inner) = self.predict(solid, state, &at)? {
             iterations += inner;
-            at = self.evaluate(solid, state, &external)?;
+            at = self.evaluate(model, state, &external)?;
         }
         let mut best = f64::INFINITY;
         for pass in 0..=self.plan.iterations {
@@ -309,7 +314,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
             let (change, inner, tried) = self.direction(solid, state, &at, imbalance)?;
             iterations += inner;
             self.newton += 1;
-            let reached = self.search(solid, state, &external, &at, &change)?;
+            let reached = self.search(model, state, &external, &at, &change)?;
             let length = reached.as_ref().map(|reached| reached.length);
             self.policy.judge(tried, length);
             match reached {

@@ -7,7 +7,7 @@ use crate::assembly::{Moduli, fill_rows};
 use crate::geometry::{Matrix, Vector};
 use crate::material::{Tangent, TangentKind};
 use crate::model::SolidModel;
-use crate::operators::{Damage, Elastic, Response};
+use crate::operators::{Damage, DamageFields, Elastic, Response};
 
 /// Change of a tangent, relative to the intact moduli, below which its rows are kept.
 pub const KEPT: f64 = 1e-3;
@@ -90,12 +90,12 @@ impl<const D: usize> TangentMatrix<D> {
         &mut self,
         solid: &SolidModel<D>,
         damage: &Damage<D>,
-        history: &[f64],
+        fields: DamageFields<'_>,
         response: &Response<D>,
         softening: TangentKind,
     ) -> bool {
         let elastic = &solid.elastic;
-        let tangents = || damage.tangents(elastic, history, response, softening);
+        let tangents = || damage.tangents(elastic, fields, response, softening);
         let next = solid.timers.time("laws", tangents);
         let stale = std::mem::take(&mut self.stale);
         let moved = |i: usize| {
@@ -118,7 +118,7 @@ impl<const D: usize> TangentMatrix<D> {
             self.integrity[i] = response.hourglass[i];
             if next[i].softening < 0.0 {
                 let family = elastic.around.families.family(i);
-                damage.drive(elastic, response, i, &mut self.drives[family]);
+                damage.drive(elastic, fields, response, i, &mut self.drives[family]);
             }
         }
         let moduli = Damaged {
@@ -132,6 +132,18 @@ impl<const D: usize> TangentMatrix<D> {
         solid.timers.time("assembly", fill);
         self.refilled += count as u64;
         true
+    }
+
+    /// Softening −q of a point (1/Pa) and the derivative of its driving energy by the bond differences of its family,
+    /// N; nothing where it does not soften.
+    pub fn softening(&self, elastic: &Elastic<D>, owner: usize) -> (f64, &[Vector<D>]) {
+        match self.tangents[owner].softening {
+            softening if softening < 0.0 => {
+                let family = elastic.around.families.family(owner);
+                (-softening, &self.drives[family])
+            }
+            _ => (0.0, &[]),
+        }
     }
 
     /// Forces on the points where the walls move by `moves` (m) and the points do not, N.

@@ -2,6 +2,7 @@
 
 use perifrac_solvers::{dot, multiply};
 
+use super::coupled::Place;
 use super::{FractureFlowStep, Trial};
 use crate::material::TangentKind;
 use crate::model::Model;
@@ -23,6 +24,44 @@ pub(super) struct SearchDirection {
 }
 
 impl<const D: usize> FractureFlowStep<D> {
+    /// Changes of displacement and pressure that balance forces and mass as far as the tangent tells, m and Pa.
+    pub(super) fn solve_together(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+        here: &Place<D>,
+        (dt, softening): (f64, TangentKind),
+        report: &mut StepReport,
+    ) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
+        let (damage, at) = (damage_of(solid)?, &here.at);
+        let fields = state.view().damage(&at.fluid);
+        self.tangent
+            .update(solid, damage, fields, &at.response, softening);
+        let Some(block) = &mut self.block else {
+            return Err(StepError::Missing { part: "the matrix of both fields" });
+        };
+        let (tangent, wet) = (&self.tangent, model.wet_points());
+        let fill = || {
+            block.fill(tangent.matrix.data(), solid, flow, coupling, dt);
+            block.add_cracks(solid, coupling, tangent, &at.response, &wet);
+        };
+        model.timers.time("assembly", fill);
+        let (width, scale) = (D + 1, block.layout.scale);
+        let mut rhs = vec![0.0; block.matrix.rows()];
+        for (point, force) in at.force.chunks(D).enumerate() {
+            rhs[point * width..][..D].copy_from_slice(force);
+            rhs[point * width + D] = -scale * here.mass[point];
+        }
+        let mut x = vec![0.0; rhs.len()];
+        let solver = &mut *self.solver;
+        let matrix = block.matrix.view();
+        report.iterations += (self.reuse).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
+        let unknowns = x.chunks(width);
+        let displacement = unknowns.clone().flat_map(|own| own[..D].to_vec()).collect();
+        Ok((displacement, unknowns.map(|own| scale * own[D]).collect()))
+    }
+
     /// Solution of the linear system at a trial whose pressure is balanced.
     fn solution(
         &mut self,
@@ -36,7 +75,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let damage = damage_of(solid)?;
         self.tangent
-            .update(solid, damage, &state.history, &at.response, softening);
+            .update(solid, damage, state.view().damage(&at.fluid), &at.response, softening);
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
             let mut displacement = vec![0.0; at.force.len()];

@@ -14,6 +14,7 @@
 //! displacement, as in a crack of prescribed pressure; elsewhere its step carries the compliance of the
 //! fractures, and the residual covers what it owes to the strain.
 
+mod coupled;
 mod direction;
 mod passes;
 
@@ -39,6 +40,7 @@ use crate::schemes::{
     flow_of, solid_of,
 };
 pub use passes::close;
+
 use passes::{FORCING, SHALLOW};
 
 /// Flow and fracture together.
@@ -61,6 +63,8 @@ pub struct FractureFlowStep<const D: usize> {
     policy: TangentPolicy,
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
+    /// Whether pressure and displacement are moved together.
+    together: bool,
     /// What fractures yield, where fields take turns.
     compliance: Compliance,
     /// Factor of that.
@@ -74,13 +78,36 @@ pub struct FractureFlowStep<const D: usize> {
     products: u64,
 }
 
+/// Where a step starts.
+pub struct StepStart<'a> {
+    /// The state.
+    pub state: &'a State,
+    /// What points hold there, m^D, shape `(n,)`; empty where that does not follow from a state.
+    pub held: Vec<f64>,
+    /// Length of the step, s.
+    pub dt: f64,
+}
+
 /// Pressure and displacement with what they leave out of balance.
 struct Trial<const D: usize> {
     response: Response<D>,
+    /// What fluid adds to the traction on cracks, Pa.
+    fluid: Vec<f64>,
     /// Forces out of balance, N.
     force: Vec<f64>,
     /// Σ of the absolute forces, N.
     scale: f64,
+}
+
+impl<'a> StepStart<'a> {
+    /// A step of `dt` seconds from a state, with the model at its coefficients.
+    pub fn new<const D: usize>(model: &Model<D>, state: &'a State, dt: f64) -> Self {
+        let held = match model.has_crack_content() {
+            true => model.held(&state.view(), model.response(&state.view()).as_ref()),
+            false => Vec::new(),
+        };
+        StepStart { state, held, dt }
+    }
 }
 
 impl<const D: usize> FractureFlowStep<D> {
@@ -146,6 +173,7 @@ impl<const D: usize> FractureFlowStep<D> {
                 StepRule::Fixed(_) => f64::INFINITY,
                 StepRule::Adaptive => damage.shortest_step,
             },
+            together: together && model.has_crack_content(),
             compliance: Compliance::default(),
             relaxation: plan.scheme_options.relaxation,
             demand: plan.fracture_demand(),
@@ -214,7 +242,8 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         }
         let old = state.clone();
         let report = &mut StepReport::default();
-        let now = self.solve(model, &old, 0.0, state, report)?;
+        let start = StepStart::new(model, &old, 0.0);
+        let now = self.solve(model, &start, state, report)?;
         advance(&now, state);
         self.remember(&now, state);
         Ok(())
@@ -235,10 +264,11 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         for (u, rate) in trial.displacement.iter_mut().zip(rates) {
             *u += dt * rate;
         }
-        let now = self.solve(model, old, dt, trial, &mut report)?;
+        let start = StepStart::new(model, old, dt);
+        let now = self.solve(model, &start, trial, &mut report)?;
         trial.check()?;
         report.error = Rates::judge(&now, (old, trial), dt)?;
-        close(&now, old, trial, (dt, trial), &mut report)?;
+        close(&now, &start, trial, (dt, trial), &mut report)?;
         advance(&now, trial);
         report.growth = growth(&now, old, trial);
         self.remember(&now, trial);

@@ -3,7 +3,7 @@
 use perifrac_solvers::norm2;
 
 use super::super::not_finite;
-use super::{FractureFlowStep, Trial};
+use super::{FractureFlowStep, StepStart, Trial};
 use crate::material::TangentKind;
 use crate::model::Model;
 use crate::operators::Response;
@@ -49,9 +49,9 @@ const ADVANCE: f64 = 0.5;
 const SHORTEST: f64 = 0.125;
 
 /// Where the passes of a step stand.
-struct PassMonitor {
+pub(super) struct PassMonitor {
     /// Smallest imbalance so far.
-    best: f64,
+    pub best: f64,
     /// Smallest share owed while forces balanced.
     splitting_residual: f64,
     /// That of the pass before.
@@ -67,9 +67,22 @@ struct PassMonitor {
 }
 
 impl PassMonitor {
+    /// Before the first pass, with so much damage summed over points.
+    pub fn new(broken: f64) -> Self {
+        PassMonitor {
+            best: f64::INFINITY,
+            splitting_residual: f64::INFINITY,
+            before: f64::INFINITY,
+            stagnation: Stagnation::new(),
+            stuck: 0,
+            broken,
+            share: 1.0,
+        }
+    }
+
     /// Takes note of how far off a pass starts and of how many points' worth has broken; false once there
     /// is no hope. A crack that runs is far off for long, but breaks on.
-    fn continues(&mut self, off: f64, broken: f64, shortens: bool) -> bool {
+    pub fn continues(&mut self, off: f64, broken: f64, shortens: bool) -> bool {
         let mut stuck = self.stagnation.note(off);
         if broken >= self.broken + ADVANCE {
             self.stagnation.forgive();
@@ -91,7 +104,7 @@ impl PassMonitor {
     }
 
     /// Why passes were given up.
-    fn failure(&self, time: f64, tolerance: f64, iterations: usize) -> StepError {
+    pub fn failure(&self, time: f64, tolerance: f64, iterations: usize) -> StepError {
         match self.splitting_residual.is_finite() {
             true => StepError::Owed {
                 time,
@@ -127,8 +140,8 @@ impl<const D: usize> FractureFlowStep<D> {
         model: &Model<D>,
         state: &State,
     ) -> Result<Trial<D>, StepError> {
-        let response = solid_of(model)?
-            .response(&state.displacement, &state.walls, &state.history)
+        let response = model
+            .response(&state.view())
             .ok_or(StepError::Missing { part: "[damage]" })?;
         self.searches += 1;
         force_residual(model, state, response)
@@ -139,19 +152,19 @@ impl<const D: usize> FractureFlowStep<D> {
     fn mass_residual(
         &mut self,
         model: &Model<D>,
-        old: &State,
+        start: &StepStart<'_>,
         state: &State,
-        dt: f64,
+        response: &Response<D>,
     ) -> Result<(Vec<f64>, f64), StepError> {
         let flow = flow_of(model)?;
         let mut left = vec![0.0; flow.points()];
         flow.imbalance(state.time, &state.pressure, &mut left);
         self.products += 1;
-        let taken = stored_increment(model, old, state)?;
+        let taken = stored_increment(model, start, state, Some(response))?;
         for (i, left) in left.iter_mut().enumerate() {
             *left = match self.is_fixed[i] {
                 true => 0.0,
-                false => dt * *left - taken[i],
+                false => start.dt * *left - taken[i],
             };
         }
         Ok((left, taken.iter().map(|t| t.abs()).sum()))
@@ -163,21 +176,22 @@ impl<const D: usize> FractureFlowStep<D> {
     fn balance(
         &mut self,
         model: &Model<D>,
-        old: &State,
+        start: &StepStart<'_>,
         state: &mut State,
-        dt: f64,
+        response: &Response<D>,
     ) -> Result<(usize, f64), StepError> {
         let flow = flow_of(model)?;
-        let (left, taken) = self.mass_residual(model, old, state, dt)?;
+        let (left, taken) = self.mass_residual(model, start, state, response)?;
         self.flow.forget(flow);
         let split = match self.splits() {
             true => &self.compliance.storage[..],
             false => &[],
         };
         let mut storage = flow.capacity.clone();
+        model.add_crack_storage(response, &mut storage);
         let pairs = storage.iter_mut().zip(split);
         pairs.for_each(|(storage, split)| *storage += split);
-        self.flow.prepare(flow, &storage, dt, &[])?;
+        self.flow.prepare(flow, &storage, start.dt, &[])?;
         let mut change = vec![0.0; left.len()];
         let iterations = self.flow.solve(flow, &left, &mut change)?;
         let pairs = state.pressure.iter_mut().zip(&change);
@@ -220,7 +234,7 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// Whether so much has broken since `old` that the step will be rejected: a crack that runs takes many
     /// passes, which are better spent on the step that keeps it.
-    fn runs(&self, model: &Model<D>, old: &State, at: &Trial<D>) -> Result<bool, StepError> {
+    pub(super) fn runs(&self, model: &Model<D>, old: &State, at: &Trial<D>) -> Result<bool, StepError> {
         let before = damage_of(solid_of(model)?)?.of(&old.history);
         let pairs = at.response.damage.iter().zip(&before);
         let growth = pairs.map(|(now, before)| now - before).fold(0.0, f64::max);
@@ -229,7 +243,7 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// Goes on from a pass that led from `start` to the state; false if it stays there. The coefficients
     /// of flow lag behind, so near the end passes contract linearly, and the energy says nothing of it.
-    fn accelerate(
+    pub(super) fn accelerate(
         &mut self,
         start: Vec<f64>,
         state: &mut State,
@@ -258,13 +272,14 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// What passes move: the displacement, and the pressure where that is no function of it, in units
     /// that make both count alike.
-    fn unknowns(&self, state: &State) -> Vec<f64> {
+    pub(super) fn unknowns(&self, state: &State) -> Vec<f64> {
         let pressure = state.pressure.iter().map(|p| self.unit * p);
-        let pressure = pressure.take(if self.splits() { usize::MAX } else { 0 });
+        let moves = self.splits() || self.together;
+        let pressure = pressure.take(if moves { usize::MAX } else { 0 });
         state.displacement.iter().copied().chain(pressure).collect()
     }
 
-    fn set_unknowns(&self, unknowns: &[f64], state: &mut State) {
+    pub(super) fn set_unknowns(&self, unknowns: &[f64], state: &mut State) {
         let (displacement, pressure) = unknowns.split_at(state.displacement.len());
         state.displacement.copy_from_slice(displacement);
         let pairs = state.pressure.iter_mut().zip(pressure);
@@ -275,13 +290,16 @@ impl<const D: usize> FractureFlowStep<D> {
     pub(super) fn solve(
         &mut self,
         model: &Model<D>,
-        old: &State,
-        dt: f64,
+        start: &StepStart<'_>,
         state: &mut State,
         report: &mut StepReport,
     ) -> Result<Model<D>, StepError> {
         let mut model = model.clone();
-        self.converge(&mut model, old, dt, state, report)?;
+        model.begin_step(&start.state.pressure);
+        match self.block.is_some() && model.has_crack_content() {
+            true => self.converge_coupled(&mut model, start, state, report)?,
+            false => self.converge(&mut model, start, state, report)?,
+        }
         Ok(model)
     }
 
@@ -289,22 +307,14 @@ impl<const D: usize> FractureFlowStep<D> {
     fn converge(
         &mut self,
         model: &mut Model<D>,
-        old: &State,
-        dt: f64,
+        start: &StepStart<'_>,
         state: &mut State,
         report: &mut StepReport,
     ) -> Result<(), StepError> {
+        let (old, dt) = (start.state, start.dt);
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut found = self.evaluate(model, state)?;
-        let mut watch = PassMonitor {
-            best: f64::INFINITY,
-            splitting_residual: f64::INFINITY,
-            before: f64::INFINITY,
-            stagnation: Stagnation::new(),
-            stuck: 0,
-            broken: found.response.damage.iter().sum(),
-            share: 1.0,
-        };
+        let mut watch = PassMonitor::new(found.response.damage.iter().sum());
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
@@ -312,11 +322,15 @@ impl<const D: usize> FractureFlowStep<D> {
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;
             }
-            let start = self.unknowns(state);
-            let (iterations, splitting_residual) = self.balance(model, old, state, dt)?;
+            let from = self.unknowns(state);
+            let (iterations, splitting_residual) =
+                self.balance(model, start, state, &found.response)?;
             report.iterations += iterations;
-            // The displacement stands still, so the solid's own response is the same.
-            let at = force_residual(model, state, found.response)?;
+            // The displacement stands still, so the response is the same unless fluid acts in cracks.
+            let at = match model.has_crack_content() {
+                true => self.evaluate(model, state)?,
+                false => force_residual(model, state, found.response)?,
+            };
             let imbalance = self.imbalance(&at, state.time)?;
             report.passes = pass;
             report.residual = Some(imbalance);
@@ -339,13 +353,13 @@ impl<const D: usize> FractureFlowStep<D> {
                 break;
             }
             self.react(&mut watch, imbalance);
-            let from = Pass {
-                start,
+            let pass = Pass {
+                start: from,
                 imbalance,
                 share: watch.share,
                 dt,
             };
-            match self.pass(model, state, at, from, report)? {
+            match self.pass(model, state, at, pass, report)? {
                 Some(next) => found = next,
                 None => break,
             }
@@ -395,7 +409,7 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 
     /// Forces out of balance, relative to all forces.
-    fn imbalance(&mut self, at: &Trial<D>, time: f64) -> Result<f64, StepError> {
+    pub(super) fn imbalance(&mut self, at: &Trial<D>, time: f64) -> Result<f64, StepError> {
         self.largest = self.largest.max(at.scale);
         let scale = at.scale.max(REMEMBERED * self.largest);
         let left: f64 = at.force.iter().map(|f| f.abs()).sum();
@@ -427,9 +441,10 @@ fn force_residual<const D: usize>(
     response: Response<D>,
 ) -> Result<Trial<D>, StepError> {
     let mut force = model.external_force(state.time, &state.pressure);
-    let scale = force.iter().map(|f| f.abs()).sum();
+    let scale = force.iter().map(|f| f.abs()).sum::<f64>() + model.crack_push(&response);
     solid_of(model)?.subtract_internal_force(&response, &mut force);
     Ok(Trial {
+        fluid: model.fluid_traction(&state.pressure),
         response,
         force,
         scale,
@@ -439,11 +454,16 @@ fn force_residual<const D: usize>(
 /// What the pores took up since `old`, at the coefficients of now, m^D.
 fn stored_increment<const D: usize>(
     model: &Model<D>,
-    old: &State,
+    start: &StepStart<'_>,
     state: &State,
+    response: Option<&Response<D>>,
 ) -> Result<Vec<f64>, StepError> {
     let flow = flow_of(model)?;
-    let step = state.since(old);
+    if model.has_crack_content() {
+        let held = model.held(&state.view(), response);
+        return Ok(held.iter().zip(&start.held).map(|(n, o)| n - o).collect());
+    }
+    let step = state.since(start.state);
     let mut taken = model.content(&step.displacement, &step.walls);
     for (i, taken) in taken.iter_mut().enumerate() {
         *taken += flow.capacity[i] * step.pressure[i];
@@ -458,7 +478,7 @@ fn stored_increment<const D: usize>(
 /// [`StepError::Missing`] without flow.
 pub fn close<const D: usize>(
     model: &Model<D>,
-    old: &State,
+    start: &StepStart<'_>,
     new: &State,
     (dt, at): (f64, &State),
     report: &mut StepReport,
@@ -466,11 +486,16 @@ pub fn close<const D: usize>(
     let flow = flow_of(model)?;
     let mut imbalance = vec![0.0; flow.points()];
     flow.imbalance(at.time, &at.pressure, &mut imbalance);
-    let taken = stored_increment(model, old, new)?;
+    let response = match model.has_crack_content() {
+        true => model.response(&new.view()),
+        false => None,
+    };
+    let taken = stored_increment(model, start, new, response.as_ref())?;
     report.flows = weighted_flows(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
     for fixed in &flow.fixed {
         report.flows.hold(fixed.load, taken[fixed.point]);
     }
-    report.stored = Some(taken.iter().sum());
+    // What a state holds is audited as such; what follows from increments only can be as their sum.
+    report.stored = (!model.has_crack_content()).then(|| taken.iter().sum());
     Ok(())
 }

@@ -1,0 +1,140 @@
+//! Fluid in what is broken, in the split model: which points hold the fluid of the crack, and what they conduct.
+//!
+//! A point is wet from a small damage on. Where the crack goes on, points that are not wet yet feel the pressure of
+//! a wet one whose crack points at them, and what opens there belongs to that one; without it fluid could never
+//! break rock that is squeezed on a grid. Beside the crack the pressure is that of the pores.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::effects::{Opening, openings};
+use crate::operators::{BondConductance, BondForm, Elastic, Neighbourhood, Response};
+
+/// Where fluid is in what is broken.
+#[derive(Clone)]
+pub struct CrackFlow<const D: usize> {
+    /// Point whose pressure acts in the crack here, shape `(n,)`; [`DRY`] for none.
+    pub donor: Vec<u32>,
+    /// Pressure where there is none, that of the pores at the start of the step, Pa, shape `(n,)`.
+    pub dry: Vec<f64>,
+    /// Opening and width of the band, shape `(n,)`.
+    pub opening: Vec<Opening>,
+    /// Hydraulic aperture of a closed crack, m.
+    residual: f64,
+    conduction: Arc<BondConductance<D>>,
+}
+
+/// No point at all.
+pub const DRY: u32 = u32::MAX;
+/// Damage from which a point conducts. Tip energy of a crack driven by fluid over G_c: 0.757, 0.794 and 0.784 for
+/// 0.02, 0.1 and 0.4 (CRACKS.md).
+pub const WET: f64 = 0.1;
+/// Cosine to the normal of a crack up to which a bond leads on along it.
+const ALONG: f64 = 0.3;
+
+impl<const D: usize> CrackFlow<D> {
+    /// Nothing broken yet, at the pressure of the pores.
+    pub fn new(around: Arc<Neighbourhood<D>>, pressure: &[f64], residual: f64) -> Self {
+        CrackFlow {
+            donor: vec![DRY; pressure.len()],
+            dry: pressure.to_vec(),
+            opening: vec![Opening::default(); pressure.len()],
+            residual,
+            conduction: Arc::new(BondConductance::new(around)),
+        }
+    }
+
+    /// Whether a point conducts.
+    pub fn is_wet(&self, point: usize) -> bool {
+        self.donor[point] == point as u32
+    }
+
+    /// Pressure in the crack at a point, Pa.
+    pub fn pressure(&self, point: usize, pressure: &[f64]) -> f64 {
+        match self.donor[point] {
+            DRY => self.dry[point],
+            donor => pressure[donor as usize],
+        }
+    }
+
+    /// Brings the map of wet points and the openings to a response.
+    pub fn follow(&mut self, elastic: &Elastic<D>, response: &Response<D>) {
+        let wet: Vec<bool> = response.damage.iter().map(|s| *s > WET).collect();
+        self.opening = openings(elastic, response, &wet);
+        let donor = |i: usize| match wet[i] {
+            true => i as u32,
+            false => continues(elastic, response, &wet, i),
+        };
+        self.donor = (0..wet.len()).into_par_iter().map(donor).collect();
+    }
+
+    /// (w³ + w_r³)/12 of an opening, m³.
+    pub fn transmissivity(&self, opening: f64) -> f64 {
+        (opening.powi(3) + self.residual.powi(3)) / 12.0
+    }
+
+    /// Conductances between wet points for a viscosity (Pa s): owner, bond and value, m^D/(Pa s). With a given
+    /// permeability (m²) that of the crack is not asked.
+    ///
+    /// The mean of both openings: the harmonic mean of their cubes would starve the tip.
+    pub fn conductances(
+        &self,
+        viscosity: f64,
+        permeability: Option<f64>,
+    ) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let families = &self.conduction.neighbourhood().families;
+        let mobility = move |i: usize, j: usize| {
+            let (one, other) = (self.opening[i], self.opening[j]);
+            let along = self.transmissivity(mean(one.opening, other.opening));
+            let width = mean(one.width, other.width);
+            permeability.unwrap_or(along / width) / viscosity
+        };
+        let wet = (0..self.donor.len()).filter(|i| self.is_wet(*i));
+        wet.flat_map(move |owner| {
+            families.family(owner).filter_map(move |bond| {
+                let end = families.neighbour(bond);
+                let conducts = end != owner && self.is_wet(end);
+                let value = || self.conduction.geometric(owner, bond) * mobility(owner, end);
+                conducts.then(|| (owner, bond, value()))
+            })
+        })
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        (4 + 8 + size_of::<Opening>()) * self.donor.len() + BondForm::bytes(&*self.conduction)
+    }
+}
+
+fn mean(one: f64, other: f64) -> f64 {
+    0.5 * (one + other)
+}
+
+/// The nearest wet point whose crack leads on to a dry one, or [`DRY`].
+fn continues<const D: usize>(
+    elastic: &Elastic<D>,
+    response: &Response<D>,
+    wet: &[bool],
+    point: usize,
+) -> u32 {
+    let around = &elastic.around;
+    let families = &around.families;
+    let leads = |bond: usize| {
+        let end = families.neighbour(bond);
+        if !wet[end] || end == point {
+            return None;
+        }
+        let image = families.images.get(families.image(bond));
+        let normal = image.reflect(&response.planes[end].normal);
+        let arm = around.bond_vector(point, bond);
+        let (length, off) = (arm.norm(), arm.dot(&normal).abs());
+        (off <= ALONG * length).then_some((length, off, end as u32))
+    };
+    let nearest = families.family(point).filter_map(leads);
+    let nearest = nearest.min_by(|one, other| {
+        let order = one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1));
+        order.then(one.2.cmp(&other.2))
+    });
+    nearest.map_or(DRY, |(_, _, donor)| donor)
+}

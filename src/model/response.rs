@@ -1,0 +1,146 @@
+//! How the model responds to the fields of a state: forces of the solid, and what pores and cracks hold.
+
+use super::{Model, SolidModel};
+use crate::operators::{DamageFields, Response};
+
+/// The fields of a state; those that the scene does not call for are empty.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Fields<'a> {
+    /// Time, s.
+    pub time: f64,
+    /// Pore pressure, Pa, shape `(n,)`.
+    pub pressure: &'a [f64],
+    /// Displacement, m, shape `(n·D,)`.
+    pub displacement: &'a [f64],
+    /// Displacement of the walls that move, m, shape `(walls,)`.
+    pub walls: &'a [f64],
+    /// Largest driving energy of damage, J/m³, shape `(n,)`.
+    pub history: &'a [f64],
+    /// Settled normals of cracks, shape `(n·D,)`, zero elsewhere.
+    pub normal: &'a [f64],
+}
+
+impl<'a> Fields<'a> {
+    /// What they tell about the damage of points, with what fluid adds to the traction on cracks, Pa.
+    pub fn damage(&self, fluid: &'a [f64]) -> DamageFields<'a> {
+        DamageFields {
+            history: self.history,
+            normal: self.normal,
+            fluid,
+        }
+    }
+}
+
+impl<const D: usize> Model<D> {
+    /// Takes the internal force of a state off `force`, shape `(n·D,)`, N.
+    pub fn subtract_force(&self, solid: &SolidModel<D>, state: &Fields<'_>, force: &mut [f64]) {
+        match self.response(state) {
+            Some(response) => solid.subtract_internal_force(&response, force),
+            None => solid.subtract_internal(state.displacement, state.walls, force),
+        }
+    }
+
+    /// Response of a solid with damage to a state; `None` without damage.
+    pub fn response(&self, state: &Fields<'_>) -> Option<Response<D>> {
+        let solid = self.solid.as_ref()?;
+        solid.damage.as_ref()?;
+        let fluid = self.fluid_traction(state.pressure);
+        solid.response(
+            state.displacement,
+            state.walls,
+            state.damage(&fluid),
+        )
+    }
+
+    /// What fluid adds to the effective traction on a crack, p^c − α p per point, Pa; empty where it adds nothing.
+    pub fn fluid_traction(&self, pressure: &[f64]) -> Vec<f64> {
+        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
+        let (Some(cracks), Some(coupling)) = (cracks, &self.coupling) else {
+            return Vec::new();
+        };
+        let biot = |i: usize| coupling.divergence.weight[i] / self.cloud.volume[i];
+        let added = |i: usize| cracks.pressure(i, pressure) - biot(i) * pressure[i];
+        (0..pressure.len()).map(added).collect()
+    }
+
+    /// Pore volume per point that cracks add to what strain and pressure do, m^D: what they hold belongs to the
+    /// point whose fluid fills them, and the pores beside them take no part in it. Zero without a response.
+    pub fn crack_content(&self, response: Option<&Response<D>>) -> Vec<f64> {
+        let mut content = vec![0.0; self.cloud.len()];
+        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
+        let (Some(cracks), Some(coupling), Some(response)) = (cracks, &self.coupling, response)
+        else {
+            return content;
+        };
+        for (i, plane) in response.planes.iter().enumerate() {
+            content[i] -= coupling.divergence.weight[i] * plane.opening;
+            if let Some(own) = content.get_mut(cracks.donor[i] as usize) {
+                *own += self.cloud.volume[i] * plane.opening;
+            }
+        }
+        content
+    }
+
+    /// Which point's pressure acts in the crack at every point; empty in the model of the paper.
+    pub fn wet_points(&self) -> Vec<u32> {
+        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
+        cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone())
+    }
+
+    /// Begins a step: where cracks are dry the pressure in them is that of the pores now, Pa, shape `(n,)`.
+    pub fn begin_step(&mut self, pressure: &[f64]) {
+        let cracks = self.fracture_flow.as_mut().and_then(|f| f.cracks.as_mut());
+        if let Some(cracks) = cracks {
+            cracks.dry.clear();
+            cracks.dry.extend_from_slice(pressure);
+        }
+    }
+
+    /// Adds to a storage per point (m^D/Pa) what open cracks yield to their fluid at a fixed displacement.
+    pub fn add_crack_storage(&self, response: &Response<D>, storage: &mut [f64]) {
+        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
+        let (Some(cracks), Some(coupling)) = (cracks, &self.coupling) else {
+            return;
+        };
+        for (i, plane) in response.planes.iter().enumerate() {
+            let (volume, weight) = (self.cloud.volume[i], coupling.divergence.weight[i]);
+            let biot = weight / volume;
+            match cracks.donor[i] as usize {
+                donor if donor == i => {
+                    storage[i] += (1.0 - biot).powi(2) * plane.yielding * volume;
+                }
+                donor => {
+                    storage[i] += biot * biot * plane.yielding * volume;
+                    if let Some(own) = storage.get_mut(donor) {
+                        *own += plane.yielding * volume;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether cracks hold fluid of their own, so that what a state holds does not follow from increments.
+    pub fn has_crack_content(&self) -> bool {
+        self.fracture_flow
+            .as_ref()
+            .is_some_and(|fracture| fracture.cracks.is_some())
+    }
+
+    /// All that a state holds per point above rest, V s p + Q u + q w and what cracks hold, m^D.
+    pub fn held(&self, state: &Fields<'_>, response: Option<&Response<D>>) -> Vec<f64> {
+        let mut held = self.content(state.displacement, state.walls);
+        let cracks = self.crack_content(response);
+        let capacity = self.flow.iter().flat_map(|flow| &flow.capacity);
+        for (i, capacity) in capacity.enumerate() {
+            held[i] += capacity * state.pressure[i] + cracks[i];
+        }
+        held
+    }
+
+    /// Σ of the absolute forces that what is released in cracks would exert, N: the push of the fluid in them, and
+    /// the prestress that they lost.
+    pub fn crack_push(&self, response: &Response<D>) -> f64 {
+        let Some(solid) = &self.solid else { return 0.0 };
+        solid.crack_force(response).iter().map(|f| f.abs()).sum()
+    }
+}

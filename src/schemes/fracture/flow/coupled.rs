@@ -1,0 +1,184 @@
+//! Passes of displacement and pressure together, in the split model.
+//!
+//! The pressure in a crack and the displacement belong to one potential, smallest over displacements and largest
+//! over pressures. Every pass solves its linear system with the damage, the normals and the wet points as they are:
+//! such a pass never leads up, as the potential at fixed damage lies above. Near the end the exact tangent, with the
+//! damage eliminated, is tried instead. The residual covers the forces and the mass, with the content of pores and
+//! cracks as a function of the state.
+
+use perifrac_solvers::norm2;
+
+use super::passes::PassMonitor;
+use super::{FractureFlowStep, StepStart, Trial};
+use crate::material::TangentKind;
+use crate::model::Model;
+use crate::schemes::{State, StepError, StepReport, flow_of};
+
+/// Fluid out of balance, relative to what moves in the step, that counts as none.
+const BALANCED_MASS: f64 = 1e-7;
+/// Fluid that rounding may lose, relative to all that points hold.
+const ROUNDING: f64 = 1e-14;
+/// Share of what a pass with the exact tangent found out of balance that it may leave.
+const LEFT: f64 = 0.9;
+/// Passes after which wet points stay as they are: their map must not go round in circles.
+const SETTLES: usize = 24;
+
+/// Where a pass stands.
+pub(super) struct Place<const D: usize> {
+    /// The response and the forces.
+    pub at: Trial<D>,
+    /// What points must still take up, m^D.
+    pub mass: Vec<f64>,
+    /// Forces out of balance, relative to all forces.
+    forces: f64,
+    /// The larger of what is out of balance, forces and mass, over what is allowed.
+    off: f64,
+}
+
+impl<const D: usize> FractureFlowStep<D> {
+    /// Passes until forces and mass balance at the coefficients that the model has then.
+    pub(super) fn converge_coupled(
+        &mut self,
+        model: &mut Model<D>,
+        start: &StepStart<'_>,
+        state: &mut State,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        flow_of(model)?.fix_values(state.time, &mut state.pressure);
+        let mut watch = PassMonitor::new(0.0);
+        self.acceleration.forget();
+        let mut tried = TangentKind::Secant;
+        let mut before: Option<(Vec<f64>, Place<D>)> = None;
+        for pass in 0..=self.plan.iterations {
+            let mut here = self.place(model, start, state, pass)?;
+            // The exact tangent may have led astray.
+            if let (TangentKind::Consistent, Some((from, place))) = (tried, before.take())
+                && here.off > LEFT * place.off
+            {
+                self.policy.failed();
+                self.acceleration.forget();
+                self.set_unknowns(&from, state);
+                here = self.return_to(model, state, place)?;
+            }
+            report.passes = pass;
+            if std::env::var("PF_DEBUG").is_ok() {
+                eprintln!("  t {:.6} dt {:.2e} pass {pass} {tried:?} off {:.3e} forces {:.3e}", state.time, start.dt, here.off, here.forces);
+            }
+            report.residual = Some(here.forces);
+            if here.off <= 1.0 {
+                return Ok(());
+            }
+            if start.dt > self.cut_above && self.runs(model, start.state, &here.at)? {
+                let (time, most) = (state.time, self.plan.largest_increment);
+                return Err(StepError::Runs { time, most });
+            }
+            watch.best = watch.best.min(here.forces);
+            let broken = here.at.response.damage.iter().sum();
+            if !watch.continues(here.off, broken, false) || pass == self.plan.iterations {
+                break;
+            }
+            let from = self.unknowns(state);
+            tried = self.advance_together(model, state, &here, start.dt, report)?;
+            self.passes += 1;
+            if tried != TangentKind::Consistent {
+                self.accelerate(from.clone(), state, 1.0, (here.forces, 1.0));
+            }
+            before = Some((from, here));
+        }
+        Err(watch.failure(state.time, self.plan.tolerance, self.passes as usize))
+    }
+
+    /// Brings coefficients to the state and measures what is out of balance.
+    fn place(
+        &mut self,
+        model: &mut Model<D>,
+        start: &StepStart<'_>,
+        state: &State,
+        pass: usize,
+    ) -> Result<Place<D>, StepError> {
+        let mut at = self.evaluate(model, state)?;
+        if pass < SETTLES || pass.is_multiple_of(SETTLES) {
+            let before = model.wet_points();
+            model.follow_fractures(&at.response, &state.displacement, &state.walls);
+            if before != model.wet_points() {
+                at = self.evaluate(model, state)?;
+            }
+        }
+        let (mass, moved) = self.mass_left(model, start, state, &at)?;
+        let forces = self.imbalance(&at, state.time)?;
+        let mass_off = mass.iter().map(|m| m.abs()).sum::<f64>() / moved;
+        let off = (forces / self.plan.tolerance).max(mass_off / BALANCED_MASS);
+        Ok(Place {
+            at,
+            mass,
+            forces,
+            off,
+        })
+    }
+
+    /// A place that was left, with the coefficients that it had.
+    fn return_to(
+        &mut self,
+        model: &mut Model<D>,
+        state: &State,
+        place: Place<D>,
+    ) -> Result<Place<D>, StepError> {
+        model.follow_fractures(&place.at.response, &state.displacement, &state.walls);
+        Ok(place)
+    }
+
+    /// What points must still take up over the step, zero where the pressure is prescribed, and the scale of what
+    /// moves; m^D.
+    fn mass_left(
+        &mut self,
+        model: &Model<D>,
+        start: &StepStart<'_>,
+        state: &State,
+        at: &Trial<D>,
+    ) -> Result<(Vec<f64>, f64), StepError> {
+        let flow = flow_of(model)?;
+        let mut left = vec![0.0; flow.points()];
+        flow.imbalance(state.time, &state.pressure, &mut left);
+        self.products += 1;
+        let held = model.held(&state.view(), Some(&at.response));
+        let (mut moved, mut all) = (0.0, 0.0);
+        for (i, left) in left.iter_mut().enumerate() {
+            let taken = held[i] - start.held[i];
+            moved += taken.abs();
+            all += held[i].abs() + start.held[i].abs();
+            *left = match self.is_fixed[i] {
+                true => 0.0,
+                false => start.dt * *left - taken,
+            };
+        }
+        let moved = moved + start.dt * flow.flows(&state.pressure, state.time).gross;
+        Ok((left, moved.max(ROUNDING / BALANCED_MASS * all).max(f64::MIN_POSITIVE)))
+    }
+
+    /// Solves the linear system of both fields and moves the state by what it tells; gives its tangent.
+    fn advance_together(
+        &mut self,
+        model: &Model<D>,
+        state: &mut State,
+        here: &Place<D>,
+        dt: f64,
+        report: &mut StepReport,
+    ) -> Result<TangentKind, StepError> {
+        if norm2(&state.displacement) > 0.0 && norm2(&state.pressure) > 0.0 {
+            self.unit = norm2(&state.displacement) / norm2(&state.pressure);
+        }
+        let mut softening = self.policy.next(here.forces);
+        let mut solved = self.solve_together(model, state, here, (dt, softening), report);
+        if softening == TangentKind::Consistent && solved.is_err() {
+            self.policy.failed();
+            self.reuse.forget();
+            softening = TangentKind::Bounded;
+            solved = self.solve_together(model, state, here, (dt, softening), report);
+        }
+        let (displacement, pressure) = solved?;
+        let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(t, b)| *t += b);
+        add(&mut state.displacement, &displacement);
+        add(&mut state.pressure, &pressure);
+        Ok(softening)
+    }
+}
