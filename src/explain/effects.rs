@@ -3,7 +3,7 @@
 use super::{Reason, reason};
 use crate::geometry::Side;
 use crate::model::Sample;
-use crate::plan::{CrackKind, CrackPlan, Load, MechanicsPlan, Plan, Support};
+use crate::plan::{CrackKind, CrackPlan, Load, MechanicsPlan, Normalise, Plan, Support};
 
 /// Effects of the plan and what in the scene calls for them.
 pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
@@ -107,7 +107,11 @@ fn cracks(plan: &Plan) -> Vec<Reason> {
 /// Breaking of the rock.
 fn damage(plan: &Plan) -> Option<Reason> {
     let damage = plan.damage.as_ref()?;
-    let normalised = if damage.normalise { ", normalised" } else { "" };
+    let normalised = match damage.normalise {
+        Normalise::Off => "",
+        Normalise::Horizon => ", normalised",
+        Normalise::Mean => ", normalised by mean widths of families",
+    };
     let split = damage.split.name();
     let why = format!("[damage] is there, split {split}{normalised}");
     Some(reason("damage", why))

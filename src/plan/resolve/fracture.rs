@@ -3,7 +3,7 @@
 use super::Resolver;
 use crate::plan::types::{
     ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan, EnergySplit,
-    FractureFlowPlan, HourglassRule, InjectionPlan, TransmissivityRule,
+    FractureFlowPlan, HourglassRule, InjectionPlan, Normalise, TransmissivityRule,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, disc_in_plane, points_in_space};
@@ -81,7 +81,11 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
             scene::Hourglass::Variational => HourglassRule::Variational,
             scene::Hourglass::Linear => HourglassRule::Linear,
         },
-        normalise: damage.normalise,
+        normalise: match damage.normalise {
+            scene::Normalise::Off => Normalise::Off,
+            scene::Normalise::Horizon => Normalise::Horizon,
+            scene::Normalise::Mean => Normalise::Mean,
+        },
         method: match damage.method {
             scene::DamageMethod::Auto => DamageMethod::Auto,
             scene::DamageMethod::Newton => DamageMethod::Newton,

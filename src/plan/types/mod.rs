@@ -14,7 +14,7 @@ use serde::Serialize;
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
     ApertureRule, DamageMethod, DamagePlan, EnergySplit, FractureFlowPlan, HourglassRule,
-    TransmissivityRule,
+    Normalise, TransmissivityRule,
 };
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};

@@ -1,6 +1,10 @@
 //! `[damage]`: the rock breaks; its presence makes the effect exist.
 
-use schemars::JsonSchema;
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Deserializer, Error, Visitor};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::quantity::{Length, Number, Time};
@@ -24,9 +28,10 @@ pub struct Damage {
     /// How damage weakens the hourglass term.
     #[serde(default)]
     pub hourglass: Hourglass,
-    /// Scales the fracture energy by ℓ/2δ, so that a crack takes G_c whatever the horizon is.
+    /// Scales the fracture energy so that a crack takes G_c whatever the length scale is: `true` by ℓ/2δ,
+    /// `"mean"` by ℓ over the mean effective width of the family, which makes up for the points it is made of.
     #[serde(default)]
-    pub normalise: bool,
+    pub normalise: Normalise,
     /// How equilibrium with damage is found.
     #[serde(default)]
     pub method: DamageMethod,
@@ -99,6 +104,59 @@ pub enum Hourglass {
     Variational,
     /// By 1 − s, as printed (Eq. 53): a crack then takes more energy than damage tells.
     Linear,
+}
+
+/// What the fracture energy is scaled by.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Normalise {
+    /// Nothing, `false`: a crack takes what its band makes of G_c/ℓ.
+    #[default]
+    Off,
+    /// ℓ/2δ, `true`.
+    Horizon,
+    /// ℓ over the mean effective width of the family, `"mean"`.
+    Mean,
+}
+
+impl<'de> Deserialize<'de> for Normalise {
+    fn deserialize<R: Deserializer<'de>>(reader: R) -> Result<Self, R::Error> {
+        reader.deserialize_any(NormaliseVisitor)
+    }
+}
+
+struct NormaliseVisitor;
+
+impl Visitor<'_> for NormaliseVisitor {
+    type Value = Normalise;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("`true`, `false` or \"mean\"")
+    }
+
+    fn visit_bool<E: Error>(self, on: bool) -> Result<Normalise, E> {
+        Ok(match on {
+            true => Normalise::Horizon,
+            false => Normalise::Off,
+        })
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Normalise, E> {
+        match text {
+            "mean" => Ok(Normalise::Mean),
+            _ => Err(E::custom(format!(
+                "expected `true`, `false` or \"mean\", found \"{text}\""
+            ))),
+        }
+    }
+}
+
+impl JsonSchema for Normalise {
+    fn schema_name() -> Cow<'static, str> {
+        "Normalise".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "enum": [false, true, "mean"] })
+    }
 }
 
 /// Ways to equilibrium with damage.
