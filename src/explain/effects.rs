@@ -3,7 +3,9 @@
 use super::{Reason, reason};
 use crate::geometry::Side;
 use crate::model::Sample;
-use crate::plan::{CrackKind, CrackPlan, Load, MechanicsPlan, Plan, Support};
+use crate::plan::{
+    CrackKind, CrackPlan, DamageModel, Load, MechanicsPlan, Normalise, Plan, Support,
+};
 
 /// Effects of the plan and what in the scene calls for them.
 pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
@@ -107,9 +109,16 @@ fn cracks(plan: &Plan) -> Vec<Reason> {
 /// Breaking of the rock.
 fn damage(plan: &Plan) -> Option<Reason> {
     let damage = plan.damage.as_ref()?;
-    let normalised = if damage.normalise { ", normalised" } else { "" };
-    let split = damage.split.name();
-    let why = format!("[damage] is there, split {split}{normalised}");
+    let normalised = match damage.normalise {
+        Normalise::Off => "",
+        Normalise::Horizon => ", normalised",
+        Normalise::Mean => ", normalised by mean widths of families",
+    };
+    let model = match damage.model {
+        DamageModel::Split => "model split".to_owned(),
+        DamageModel::Paper => format!("model of the paper, split {}", damage.split.name()),
+    };
+    let why = format!("[damage] is there, {model}{normalised}");
     Some(reason("damage", why))
 }
 

@@ -13,9 +13,9 @@ use serde::Serialize;
 
 pub use text::bytes;
 
-use crate::model::{Model, ModelError, Sample, sample};
+use crate::model::{Model, ModelError, Sample, sample, width_doubts};
+use crate::plan::Plan;
 use crate::plan::capability::System;
-use crate::plan::{Plan, damage_width, width_warning};
 use crate::report::Timers;
 
 /// The explanation of a plan; printed as text or JSON.
@@ -197,10 +197,10 @@ fn doubts_of_model<const D: usize>(
 /// Doubts of the plan, and those that need the cloud.
 fn warnings(plan: &Plan, sample: &Sample, built: Option<Vec<String>>) -> Vec<String> {
     let sampled = || {
-        let width = (plan.damage.as_ref())
-            .and_then(|damage| width_warning(damage_width(sample.horizon[0], damage), damage));
+        let (horizon, spacing) = (sample.horizon[0], sample.spacing[0]);
+        let widths = width_doubts(plan, sample.irregular, horizon, spacing);
         let operator = (sample.flow.as_ref()).and_then(|flow| flow.operator.doubt.clone());
-        width.into_iter().chain(operator).collect()
+        widths.into_iter().chain(operator).collect()
     };
     let cloud = built.unwrap_or_else(sampled);
     plan.warnings.iter().cloned().chain(cloud).collect()

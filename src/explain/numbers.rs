@@ -2,7 +2,11 @@
 
 use super::Number;
 use crate::model::{CoupledSample, FlowSample, Sample};
-use crate::plan::{DamagePlan, MaterialPlan, Plan, TimeMode, damage_width};
+use crate::operators::WidthRange;
+use crate::material::Elasticity;
+use crate::plan::{
+    DamageModel, DamagePlan, Exponent, MaterialPlan, Normalise, Plan, TimeMode, damage_width,
+};
 
 /// Poisson's ratio above which the rock counts as nearly incompressible.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
@@ -40,7 +44,7 @@ pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
         ));
     }
     if let Some(damage) = &plan.damage {
-        numbers.extend(fracture(plan, damage, sample.horizon));
+        numbers.extend(fracture(plan, damage, sample));
     }
     if let (Some(flow), TimeMode::Transient) = (&sample.flow, plan.time.mode) {
         numbers.extend(transient(plan, sample, flow));
@@ -49,9 +53,9 @@ pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
     numbers
 }
 
-/// What it takes to break the rock, where horizons lie between `low` and `high` m: where the cloud is
-/// finest, as that is where cracks are meant to go.
-fn fracture(plan: &Plan, damage: &DamagePlan, [low, high]: [f64; 2]) -> Vec<Number> {
+/// What it takes to break the rock where the cloud is finest, as that is where cracks are meant to go.
+fn fracture(plan: &Plan, damage: &DamagePlan, sample: &Sample) -> Vec<Number> {
+    let [low, high] = sample.horizon;
     let width = damage_width(low, damage);
     let coarse = damage_width(high, damage);
     let meaning = "width of a crack over the length scale of damage, at the smallest horizon";
@@ -62,32 +66,67 @@ fn fracture(plan: &Plan, damage: &DamagePlan, [low, high]: [f64; 2]) -> Vec<Numb
             "the same at the largest horizon: what a crack takes where it leaves the fine points",
         )
     });
+    let mean = sample.width.map_or(1.0, |range| range.mean);
     let strengths = |material: &MaterialPlan| {
-        let own = strength(material, damage, width);
+        let length = damage.length_scale.unwrap_or(2.0 * low);
+        let own = strength(material, damage, (width, length), mean);
         own.into_iter().flatten()
     };
-    std::iter::once(number("2δ/ℓ", width, meaning))
-        .chain(coarse)
+    let shown = damage.length_scale.is_some();
+    (shown.then(|| number("2δ/ℓ", width, meaning)).into_iter())
+        .chain(coarse.filter(|_| shown))
+        .chain((sample.width.iter()).flat_map(|range| directions(damage, *range, width)))
         .chain(plan.materials.iter().flat_map(strengths))
         .collect()
 }
 
-/// Energy per area of a crack, and the peak of a bar that is drawn.
-fn strength(material: &MaterialPlan, damage: &DamagePlan, width: f64) -> Option<[Number; 3]> {
-    let modulus = material.elasticity?.youngs_modulus;
+/// What cracks take of the fracture energy in the directions where they take least and most.
+fn directions(damage: &DamagePlan, range: WidthRange, width: f64) -> [Number; 2] {
+    let scale = match damage.normalise {
+        Normalise::Off => width,
+        Normalise::Horizon => 1.0,
+        Normalise::Mean => 1.0 / range.mean,
+    };
+    [
+        number(
+            "G/G_c, least",
+            range.least * scale,
+            "what a crack takes over G_c in the direction in which it takes least, at this δ/Δx",
+        ),
+        number(
+            "G/G_c, most",
+            range.most * scale,
+            "the same in the direction in which it takes most",
+        ),
+    ]
+}
+
+/// Energy per area of a crack whose band is 2δ wide, or `mean` of it where strength follows from widths, and
+/// the peak of a bar that is drawn.
+fn strength(
+    material: &MaterialPlan,
+    damage: &DamagePlan,
+    (width, length): (f64, f64),
+    mean: f64,
+) -> Option<[Number; 3]> {
+    let elasticity = material.elasticity?;
     // What the length scale spreads; a crack as wide as 2δ takes 2δ/ℓ of it.
+    let (width, energy) = match damage.normalise {
+        Normalise::Off => (width, "what a crack takes, J/m²: G_c · 2δ/ℓ"),
+        Normalise::Horizon => (
+            width,
+            "what a crack takes, J/m²: G_c, as damage.normalise = true",
+        ),
+        Normalise::Mean => (
+            mean * width,
+            "what a crack takes, J/m²: G_c on average over directions, as damage.normalise = \"mean\"",
+        ),
+    };
     let spread = match damage.normalise {
-        true => material.fracture_energy? / width,
-        false => material.fracture_energy?,
+        Normalise::Off => material.fracture_energy?,
+        Normalise::Horizon | Normalise::Mean => material.fracture_energy? / width,
     };
-    let strain = (2.0 * spread / (3.0 * modulus * damage.length_scale)).sqrt();
-    // (3√3/16) √(2 E G_c/ℓ), the stress at that strain.
-    let stress = 9.0 / 16.0 * modulus * strain;
-    let energy = if damage.normalise {
-        "what a crack takes, J/m²: G_c, as damage.normalise = true"
-    } else {
-        "what a crack takes, J/m²: G_c · 2δ/ℓ"
-    };
+    let [stress, strain] = peak(elasticity, damage, spread / length);
     let named = |what: &str, value, meaning| {
         let name = format!("{what} of {}", material.name);
         number(&name, value, meaning)
@@ -97,14 +136,35 @@ fn strength(material: &MaterialPlan, damage: &DamagePlan, width: f64) -> Option<
         named(
             "critical stress σ_c",
             stress,
-            "largest stress of a bar that is drawn, Pa: (3√3/16) √(2 E G_c/ℓ)",
+            "largest stress of a bar that is drawn, Pa: 0.459 √(E c), 0.573 with the exponent 1.5, E for its modulus \
+             (λ + 2μ in the split model)",
         ),
         named(
             "critical strain ε_c",
             strain,
-            "strain at the largest stress: √(2 G_c/(3 E ℓ))",
+            "strain at the largest stress: √(2c/3E), √(0.902 c/E) with the exponent 1.5",
         ),
     ])
+}
+
+/// Largest stress of a bar of strength `toughness` (J/m³) that is drawn, Pa, and its strain.
+fn peak(elasticity: Elasticity, damage: &DamagePlan, toughness: f64) -> [f64; 2] {
+    let modulus = match damage.model {
+        DamageModel::Split => elasticity.oedometer_modulus(),
+        DamageModel::Paper => elasticity.youngs_modulus,
+    };
+    match damage.exponent {
+        Exponent::Two => {
+            let strain = (2.0 * toughness / (3.0 * modulus)).sqrt();
+            // (3√3/16) √(2 E c), the stress at that strain.
+            [9.0 / 16.0 * modulus * strain, strain]
+        }
+        // The peak is at Y = 0.451 c.
+        Exponent::ThreeHalves => [
+            0.573 * (modulus * toughness).sqrt(),
+            (0.902 * toughness / modulus).sqrt(),
+        ],
+    }
 }
 
 fn transient(plan: &Plan, sample: &Sample, flow: &FlowSample) -> [Number; 2] {

@@ -289,8 +289,8 @@ fn numbers_of_damage_are_those_of_a_bar() {
     assert_eq!(
         told.warnings,
         [
-            "a crack takes 2δ/ℓ = 3.1 times the fracture energy; set damage.normalise = true, or \
-             tie the horizon to ℓ with horizon.length_scale_ratio = 0.5"
+            "a crack takes 2δ/ℓ = 3.1 times the fracture energy; set damage.normalise = \"mean\", \
+             or tie the horizon to ℓ with horizon.length_scale_ratio = 0.5"
         ]
     );
     let own = solid(&[BREAKING, &["damage.normalise=true"]].concat());
@@ -300,6 +300,44 @@ fn numbers_of_damage_are_those_of_a_bar() {
     close(value(&own, "critical stress σ_c of rock"), stress * weaker);
     close(value(&own, "critical strain ε_c of rock"), strain * weaker);
     assert!(value(&solid(&[]), "2δ/ℓ").is_none());
+}
+
+/// On a lattice of δ = 2.3 Δx with ν = 0.3 effective widths over 2δ are 0.825, 0.878 and 0.893 at least, on
+/// average and at most (a separate program).
+#[test]
+fn the_toughness_over_directions_is_that_of_the_widths_of_families() {
+    let ratio = &["horizon={ratio = 2.3}", "materials.rock.poissons_ratio=0.3"];
+    let told = |normalise: &str| solid(&[BREAKING, ratio, &[normalise]].concat());
+    let extremes =
+        |told: &Explanation| ["G/G_c, least", "G/G_c, most"].map(|name| value(told, name).unwrap());
+    let near = |found: [f64; 2], expected: [f64; 2]| {
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+        }
+    };
+    let nominal = told("damage.normalise=true");
+    near(extremes(&nominal), [0.825, 0.893]);
+    let off = told("damage.normalise=false");
+    let width = value(&off, "2δ/ℓ").unwrap();
+    near(extremes(&off), [0.825, 0.893].map(|share| share * width));
+    let mean = told("damage.normalise=\"mean\"");
+    near(extremes(&mean), [0.825 / 0.878, 0.893 / 0.878]);
+    close(value(&mean, "effective fracture energy of rock"), 50.0);
+    let stress = |told: &Explanation| value(told, "critical stress σ_c of rock").unwrap();
+    near(
+        [stress(&mean) / stress(&nominal); 2],
+        [0.878_f64.powf(-0.5); 2],
+    );
+    assert!(mean.warnings.is_empty(), "{:?}", mean.warnings);
+    let coarse = solid(
+        &[
+            BREAKING,
+            &["horizon={ratio = 2.9}", "damage.normalise=true"],
+        ]
+        .concat(),
+    );
+    assert!(coarse.warnings[0].starts_with("at δ/Δx = 2.90 paths and toughness"));
+    assert_eq!(coarse.warnings.len(), 1);
 }
 
 #[test]

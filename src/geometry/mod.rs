@@ -29,7 +29,7 @@ pub use horizon::{Horizon, horizons, horizons_in_parts};
 pub use images::{Image, ImageTable};
 pub use influence::Influence;
 pub use locator::{Locator, Place, neighbour_distances};
-pub use sampler::Sampler;
+pub use sampler::{SampledBond, Sampler};
 pub use shape::Shape;
 pub use share::Subdomain;
 pub use side::Side;

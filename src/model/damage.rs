@@ -1,10 +1,10 @@
 //! Damage as a plan asks for it, and what a solid with damage answers.
 
 use crate::effects::{tensor, vector};
-use crate::geometry::{Crack, Vector};
+use crate::geometry::{Cloud, Crack, Families, Vector};
 use crate::material::{CrackPlane, DamageLaw, DamageModel};
-use crate::operators::{Damage, DamageFields, Elastic, Response};
-use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
+use crate::operators::{BandLaw, Damage, DamageFields, Elastic, FamilyWidths, Response};
+use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Normalise, Plan};
 
 use super::bands::Bands;
 use super::properties::Properties;
@@ -13,33 +13,70 @@ use super::{MovingWall, SolidModel};
 /// Damage of points in cracks that are there from the start.
 const BROKEN: f64 = 0.9999;
 
-/// Damage with the strength of the materials, broken in the bands; `None` if the plan does not name it.
-pub(super) fn build<const D: usize>(
-    plan: &Plan,
-    mechanics: &MechanicsPlan,
-    elastic: &Elastic<D>,
-    points: &Properties,
-    bands: &Bands,
-) -> Option<Damage<D>> {
+/// The law of damage of a plan; `None` if the plan does not name it.
+pub(super) fn law(plan: &Plan) -> Option<DamageLaw> {
     let damage = plan.damage.as_ref()?;
-    let law = DamageLaw {
+    Some(DamageLaw {
         model: damage.model,
         exponent: damage.exponent,
         friction: damage.friction,
         split: damage.split,
         residual_stiffness: damage.residual_stiffness,
         hourglass: damage.hourglass,
+    })
+}
+
+/// What breaking costs by `law`.
+pub(super) fn band_law(law: DamageLaw, mechanics: &MechanicsPlan) -> BandLaw {
+    let energy = move |driving: f64| {
+        let damage = law.damage(driving, 1.0);
+        law.degradation(damage) * driving + damage * damage
     };
+    let drives = if law.is_variational() { 1.0 } else { 0.0 };
+    BandLaw {
+        hourglass: mechanics.hourglass * drives,
+        energy: Box::new(energy),
+    }
+}
+
+/// Effective widths of the families, where strength follows from them; `families` have all their images.
+pub(super) fn widths<const D: usize>(
+    plan: &Plan,
+    mechanics: &MechanicsPlan,
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+    points: &Properties,
+) -> Option<FamilyWidths<D>> {
+    match plan.damage.as_ref()?.normalise {
+        Normalise::Off | Normalise::Horizon => None,
+        Normalise::Mean => {
+            let law = band_law(law(plan)?, mechanics);
+            let (influence, lame) = (plan.influence, &points.lame);
+            Some(FamilyWidths::new(cloud, families, influence, lame, &law))
+        }
+    }
+}
+
+/// Damage with the strength of the materials, broken in the bands; `None` if the plan does not name it.
+pub(super) fn build<const D: usize>(
+    plan: &Plan,
+    mechanics: &MechanicsPlan,
+    elastic: &Elastic<D>,
+    widths: Option<&FamilyWidths<D>>,
+    points: &Properties,
+    bands: &Bands,
+) -> Option<Damage<D>> {
+    let damage = plan.damage.as_ref()?;
+    let law = law(plan)?;
     let horizon = &elastic.around.families.horizon;
-    // A band as wide as the horizon sees takes 2δ G_c/ℓ per area, not G_c.
-    let share = |i: usize| match damage.normalise {
-        true => damage.length_scale / (2.0 * horizon[i]),
-        false => 1.0,
+    // A band as wide as the horizon sees takes c 2δ per area, or c W by what its points hold.
+    let width = |i: usize| match (damage.normalise, widths) {
+        (Normalise::Off, _) => damage.length_scale.unwrap_or(2.0 * horizon[i]),
+        (Normalise::Mean, Some(widths)) => widths.mean(i),
+        (Normalise::Horizon | Normalise::Mean, _) => 2.0 * horizon[i],
     };
     let energies = points.fracture_energy.iter().enumerate();
-    let toughness: Vec<f64> = energies
-        .map(|(i, energy)| share(i) * energy / damage.length_scale)
-        .collect();
+    let toughness: Vec<f64> = energies.map(|(i, energy)| energy / width(i)).collect();
     let mut initial = vec![0.0; toughness.len()];
     for point in bands.all() {
         let point = point as usize;

@@ -43,8 +43,8 @@ pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sam
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
 
 use crate::effects::injection_shares;
-use crate::geometry::{Cloud, Families, Subdomain, Vector, horizons};
-use crate::plan::{CrackPlan, Plan, damage_width, manufactured, width_warning};
+use crate::geometry::{Cloud, Families, Horizon, Subdomain, Vector, horizons};
+use crate::plan::{CrackPlan, Plan, damage_width, manufactured, ratio_warning, width_warning};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
 
@@ -156,7 +156,7 @@ impl<const D: usize> Model<D> {
         let bands = Bands::find(plan, &cloud)?;
         fit::check_bands(plan, &bands)?;
         let mut warnings = Vec::new();
-        warnings.extend(doubtful_width(plan, &families));
+        warnings.extend(doubtful_widths(plan, &cloud, &families));
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
         let solid = build_solid(
             plan,
@@ -242,15 +242,28 @@ impl<const D: usize> Model<D> {
     }
 }
 
-/// A warning where the smallest horizon makes cracks cost something else than their fracture energy.
-fn doubtful_width<const D: usize>(plan: &Plan, families: &Families<D>) -> Option<String> {
-    let damage = plan.damage.as_ref()?;
-    let finest = families
-        .horizon
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
-    width_warning(damage_width(finest, damage), damage)
+/// Warnings where the smallest horizon makes cracks cost something else than their fracture energy.
+fn doubtful_widths<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+) -> Vec<String> {
+    let least = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::INFINITY, f64::min);
+    let horizon = least(&mut families.horizon.iter().copied());
+    let spacing = least(&mut (0..cloud.len()).map(|point| cloud.spacing(point)));
+    width_doubts(plan, cloud.irregular, horizon, spacing)
+}
+
+/// Doubts about what cracks take where the smallest horizon is `horizon` and the smallest spacing
+/// `spacing`, m. On an irregular cloud their ratio tells of families only where it is prescribed.
+pub fn width_doubts(plan: &Plan, irregular: bool, horizon: f64, spacing: f64) -> Vec<String> {
+    let Some(damage) = &plan.damage else {
+        return Vec::new();
+    };
+    let told = !irregular || matches!(plan.horizon, Horizon::Ratio(_));
+    let ratio = told.then(|| ratio_warning(horizon / spacing)).flatten();
+    let width = width_warning(damage_width(horizon, damage), damage);
+    width.into_iter().chain(ratio).collect()
 }
 
 fn injections<const D: usize>(

@@ -19,7 +19,8 @@ use crate::geometry::{
 };
 use crate::load::Load;
 use crate::operators::{
-    Damage, Divergence, Elastic, MirrorContinuation, Neighbourhood, Parity, point_value,
+    Damage, Divergence, Elastic, FamilyWidths, MirrorContinuation, Neighbourhood, Parity,
+    point_value,
 };
 use crate::plan::{MechanicsPlan, Plan, Support};
 use crate::report::Timers;
@@ -50,6 +51,8 @@ pub struct SolidModel<const D: usize> {
     pub refills: u64,
     /// Damage, if the plan names it; K is then that of intact rock.
     pub damage: Option<Damage<D>>,
+    /// Effective widths of the families, if the strength of the rock follows from them.
+    pub widths: Option<FamilyWidths<D>>,
     /// Where the time of the run goes.
     pub timers: Timers,
 }
@@ -98,6 +101,7 @@ impl<const D: usize> SolidModel<D> {
                 MirrorContinuation::new(&families.images, &parity, &planes)
             })
             .collect();
+        let widths = super::damage::widths(plan, mechanics, cloud, families, points);
         let families = families.retain_images(|image| extension[0].keeps(image))?;
         let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
         let around = Arc::new(around);
@@ -137,6 +141,7 @@ impl<const D: usize> SolidModel<D> {
             consistency,
             refills: 0,
             damage: None,
+            widths,
             timers: Timers::default(),
         })
     }
@@ -151,7 +156,8 @@ impl<const D: usize> SolidModel<D> {
         bands: &Bands,
         coupling: Option<&Divergence>,
     ) -> Result<Self, ModelError> {
-        self.damage = super::damage::build(plan, mechanics, &self.elastic, points, bands);
+        let widths = self.widths.as_ref();
+        self.damage = super::damage::build(plan, mechanics, &self.elastic, widths, points, bands);
         self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         self.stiffness = self.points.expanded(D)?.into_matrix();
         self.refill();
@@ -470,6 +476,10 @@ impl<const D: usize> SolidModel<D> {
             ),
             ("solid-mass", 8 * self.mass.len()),
             ("damage", self.damage.as_ref().map_or(0, Damage::bytes)),
+            (
+                "family-widths",
+                self.widths.as_ref().map_or(0, FamilyWidths::bytes),
+            ),
             ("solid-effects", effects + walls),
         ]
     }

@@ -23,9 +23,9 @@ pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
     DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,
     GradientChoice, GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan,
-    MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
+    MechanicsPlan, Normalise, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
     ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition,
     SolidMethod, StartPlan, StepRule, Support, TimeMode, TimePlan, TractionPlan,
     TransmissivityRule, WellPlan,
 };
-pub use width::{damage_width, width_warning};
+pub use width::{damage_width, ratio_warning, width_warning};

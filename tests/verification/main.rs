@@ -24,6 +24,7 @@ mod shares;
 mod shelf;
 mod stages;
 mod theis;
+mod toughness;
 mod two_layer;
 mod uniform_flow;
 mod voids;

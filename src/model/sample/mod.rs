@@ -3,6 +3,7 @@
 mod coupled;
 mod family;
 mod outline;
+mod width;
 
 pub use coupled::CoupledSample;
 
@@ -12,6 +13,7 @@ use super::operator_choice::ChosenOperator;
 use super::properties::{self, Properties};
 use super::{ModelError, build_cloud, fit};
 use crate::geometry::{Cloud, GeometryError, Horizon, Sampler};
+use crate::operators::WidthRange;
 use crate::plan::{FlowPlan, MechanicsPlan, Plan};
 
 /// Averages over sampled points and extremes over all points.
@@ -39,6 +41,8 @@ pub struct Sample {
     pub solid: Option<SolidSample>,
     /// What couples the two, if the plan names it.
     pub coupling: Option<CoupledSample>,
+    /// Effective widths of the families over all directions, if rock breaks.
+    pub width: Option<WidthRange>,
 }
 
 /// What flow costs.
@@ -155,10 +159,9 @@ fn sampled<const D: usize>(
     let size = typical.map_or(0, |&point| sampler.family(point).len());
     // Large families cost more each, and differ less.
     let step = (size / LARGE).clamp(1, samples.len().div_ceil(3).max(1));
-    let families: Vec<LocalFamily> = samples
-        .into_iter()
-        .step_by(step)
-        .map(|i| LocalFamily::new(plan, cloud, &sampler, i, hourglass))
+    let samples: Vec<usize> = samples.into_iter().step_by(step).collect();
+    let families: Vec<LocalFamily> = (samples.iter())
+        .map(|i| LocalFamily::new(plan, cloud, &sampler, *i, hourglass))
         .collect();
     let mut per_material = vec![0; plan.materials.len()];
     points
@@ -183,6 +186,7 @@ fn sampled<const D: usize>(
         flow: plan.flow.as_ref().map(|flow| seen.flow(flow)),
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
         coupling: plan.coupling.map(|_| seen.coupling()),
+        width: width::range(plan, cloud, &sampler, points, &samples),
     })
 }
 
@@ -229,6 +233,7 @@ fn estimated<const D: usize>(plan: &Plan, outline: &CloudOutline<D>) -> Result<S
                 * (spacing[1] / outline.spacing() / small.coarser).powi(2),
             ..coupling
         }),
+        width: sample.width,
     })
 }
 

@@ -3,8 +3,8 @@
 use super::Resolver;
 use crate::plan::types::{
     ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan,
-    EnergySplit, Exponent,
-    FractureFlowPlan, HourglassRule, InjectionPlan, TransmissivityRule,
+    EnergySplit, Exponent, FractureFlowPlan, HourglassRule, InjectionPlan, Normalise,
+    TransmissivityRule,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, disc_in_plane, points_in_space};
@@ -82,7 +82,7 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
         model,
         exponent,
         friction: damage.friction.value(),
-        length_scale: damage.length_scale.value(),
+        length_scale: damage.length_scale.map(|length| length.value()),
         split: match damage.split {
             scene::EnergySplit::Spectral => EnergySplit::Spectral,
             scene::EnergySplit::VolumetricDeviatoric => EnergySplit::VolumetricDeviatoric,
@@ -93,7 +93,11 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
             scene::Hourglass::Variational => HourglassRule::Variational,
             scene::Hourglass::Linear => HourglassRule::Linear,
         },
-        normalise: damage.normalise,
+        normalise: match damage.normalisation() {
+            scene::Normalise::Off => Normalise::Off,
+            scene::Normalise::Horizon => Normalise::Horizon,
+            scene::Normalise::Mean => Normalise::Mean,
+        },
         method: match damage.method {
             scene::DamageMethod::Auto => DamageMethod::Auto,
             scene::DamageMethod::Newton => DamageMethod::Newton,

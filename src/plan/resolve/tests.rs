@@ -9,7 +9,7 @@ use crate::load::Load;
 use crate::plan::{
     Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan,
     EnergySplit, FractureFlowPlan, GradientChoice, HourglassRule, InjectionPlan, Integrator,
-    SchemeChoice, SolidMethod, Support, TimeMode, TransmissivityRule,
+    Normalise, SchemeChoice, SolidMethod, Support, TimeMode, TransmissivityRule,
 };
 use crate::scene::load_str;
 
@@ -250,7 +250,7 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
         split: EnergySplit::None,
         residual_stiffness: 1e-9,
         hourglass: HourglassRule::Variational,
-        normalise: true,
+        normalise: Normalise::Horizon,
         method: DamageMethod::Alternate,
         tolerance: 1e-5,
         iterations: 1000,

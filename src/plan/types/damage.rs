@@ -13,16 +13,16 @@ pub struct DamagePlan {
     pub exponent: Exponent,
     /// Coefficient of friction of faces that touch.
     pub friction: f64,
-    /// Length scale ℓ, m.
-    pub length_scale: f64,
+    /// Length scale ℓ, m; only needed where strength follows from it.
+    pub length_scale: Option<f64>,
     /// Which part of the energy breaks the rock.
     pub split: EnergySplit,
     /// Share k of the stiffness that is never lost.
     pub residual_stiffness: f64,
     /// How damage weakens the hourglass term.
     pub hourglass: HourglassRule,
-    /// Whether the fracture energy is scaled by ℓ/2δ, so that a crack costs what it should.
-    pub normalise: bool,
+    /// What the fracture energy is scaled by, so that a crack costs what it should.
+    pub normalise: Normalise,
     /// How equilibrium with damage is found.
     pub method: DamageMethod,
     /// Forces out of balance, relative to all forces, that count as equilibrium.
@@ -33,6 +33,18 @@ pub struct DamagePlan {
     pub largest_increment: f64,
     /// Shortest adaptive step, s: growth that goes on in it is accepted however fast it is.
     pub shortest_step: f64,
+}
+
+/// What the fracture energy G_c over the length scale ℓ is scaled by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Normalise {
+    /// Nothing: c = G_c/ℓ.
+    Off,
+    /// ℓ/2δ: c = G_c/2δ.
+    Horizon,
+    /// ℓ over the mean effective width W̄ of the family: c = G_c/W̄.
+    Mean,
 }
 
 /// Ways to equilibrium with damage.

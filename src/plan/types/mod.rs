@@ -14,8 +14,7 @@ use serde::Serialize;
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
     ApertureRule, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FractureFlowPlan,
-    HourglassRule,
-    TransmissivityRule,
+    HourglassRule, Normalise, TransmissivityRule,
 };
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};

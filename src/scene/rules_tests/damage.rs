@@ -1,7 +1,7 @@
 //! Rules of damage, of damaged cracks, and of flow in what is broken.
 
 use super::{faults, load};
-use crate::scene::{CrackKind, HorizonSize};
+use crate::scene::{CrackKind, HorizonSize, Normalise};
 
 /// A sound scene of a crack that fluid is pumped into.
 pub(crate) const PUMPED: &str = r#"title = "Pumped"
@@ -382,4 +382,21 @@ fn a_disc_is_for_space_and_points_are_for_planes() {
             "notch".to_owned()
         )]
     );
+}
+
+/// A key that takes a switch or a word.
+#[test]
+fn normalise_is_a_switch_or_a_word() {
+    let read = |value: &str| {
+        let text = PUMPED.replace("normalise = false", &format!("normalise = {value}"));
+        load(&text, &[]).map(|loaded| loaded.scene.damage.as_ref().unwrap().normalise)
+    };
+    assert_eq!(read("false").unwrap(), Normalise::Off);
+    assert_eq!(read("true").unwrap(), Normalise::Horizon);
+    assert_eq!(read("\"mean\"").unwrap(), Normalise::Mean);
+    for (value, found) in [("\"median\"", "\"median\""), ("1", "1")] {
+        let text = PUMPED.replace("normalise = false", &format!("normalise = {value}"));
+        let message = format!("expected `true`, `false` or \"mean\", found {found}");
+        assert_eq!(faults(&text, &[]), [(message, value.to_owned())]);
+    }
 }

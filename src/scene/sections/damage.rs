@@ -1,6 +1,10 @@
 //! `[damage]`: the rock breaks; its presence makes the effect exist.
 
-use schemars::JsonSchema;
+use std::borrow::Cow;
+use std::fmt;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{Deserializer, Error, Visitor};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::diagnostics::Diagnostic;
@@ -24,8 +28,9 @@ pub struct Damage {
     #[serde(default = "friction")]
     #[schemars(transform = within(&FRICTION))]
     pub friction: Number,
-    /// Length scale ℓ over which damage is spread, m.
-    pub length_scale: Length,
+    /// Length scale ℓ over which damage is spread, m; needed where `normalise` is false and by
+    /// `horizon.length_scale_ratio`.
+    pub length_scale: Option<Length>,
     /// Which part of the elastic energy breaks the rock.
     #[serde(default)]
     pub split: EnergySplit,
@@ -36,9 +41,10 @@ pub struct Damage {
     /// How damage weakens the hourglass term.
     #[serde(default)]
     pub hourglass: Hourglass,
-    /// Scales the fracture energy by ℓ/2δ, so that a crack takes G_c whatever the horizon is.
-    #[serde(default)]
-    pub normalise: bool,
+    /// Scales the fracture energy so that a crack takes G_c whatever the length scale is: `true` by ℓ/2δ,
+    /// `"mean"` by ℓ over the mean effective width of the family, which makes up for the points it is made of.
+    /// `"mean"` if absent in the split model, `false` in that of the paper.
+    pub normalise: Option<Normalise>,
     /// How equilibrium with damage is found.
     #[serde(default)]
     pub method: DamageMethod,
@@ -132,6 +138,59 @@ pub enum Hourglass {
     Linear,
 }
 
+/// What the fracture energy is scaled by.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Normalise {
+    /// Nothing, `false`: a crack takes what its band makes of G_c/ℓ.
+    #[default]
+    Off,
+    /// ℓ/2δ, `true`.
+    Horizon,
+    /// ℓ over the mean effective width of the family, `"mean"`.
+    Mean,
+}
+
+impl<'de> Deserialize<'de> for Normalise {
+    fn deserialize<R: Deserializer<'de>>(reader: R) -> Result<Self, R::Error> {
+        reader.deserialize_any(NormaliseVisitor)
+    }
+}
+
+struct NormaliseVisitor;
+
+impl Visitor<'_> for NormaliseVisitor {
+    type Value = Normalise;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("`true`, `false` or \"mean\"")
+    }
+
+    fn visit_bool<E: Error>(self, on: bool) -> Result<Normalise, E> {
+        Ok(match on {
+            true => Normalise::Horizon,
+            false => Normalise::Off,
+        })
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Normalise, E> {
+        match text {
+            "mean" => Ok(Normalise::Mean),
+            _ => Err(E::custom(format!(
+                "expected `true`, `false` or \"mean\", found \"{text}\""
+            ))),
+        }
+    }
+}
+
+impl JsonSchema for Normalise {
+    fn schema_name() -> Cow<'static, str> {
+        "Normalise".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "enum": [false, true, "mean"] })
+    }
+}
+
 /// Ways to equilibrium with damage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -165,11 +224,28 @@ fn third() -> Number {
     Number::si(0.3)
 }
 
+impl Damage {
+    /// How strength follows from the fracture energy.
+    pub fn normalisation(&self) -> Normalise {
+        self.normalise.unwrap_or(match self.model {
+            DamageModel::Split => Normalise::Mean,
+            DamageModel::Paper => Normalise::Off,
+        })
+    }
+}
+
 impl Section for Damage {
     const NAME: &'static str = "damage";
 
-    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
-        report.positive("length_scale", self.length_scale);
+    fn check(&self, place: Span, _: &Context<'_>, report: &mut Report) {
+        match self.length_scale {
+            Some(length) => report.positive("length_scale", length),
+            None if self.normalisation() == Normalise::Off => {
+                let fault = "[damage] needs `length_scale`, or normalise = \"mean\"";
+                report.add(Diagnostic::new(fault).at(place));
+            }
+            None => {}
+        }
         if let Some(exponent) = self.exponent.filter(|m| ![1.5, 2.0].contains(&m.value())) {
             let fault = Diagnostic::new(format!(
                 "`exponent` = {}: there are laws for 1.5 and 2 only",

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::damage::Damage;
+use super::damage::{Damage, DamageModel};
 use crate::scene::quantity::{Length, Number};
 use crate::scene::range::{Range, within};
 use crate::scene::span::{Span, Spanned};
@@ -14,7 +14,8 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Horizon {
-    /// δ is the distance to this many nearest points; 15 if no size is given.
+    /// δ is the distance to this many nearest points; 15 if no size is given, but 2.3 spacings where rock breaks in
+    /// the split model.
     #[schemars(transform = within(&NEIGHBOURS))]
     pub neighbours: Option<Spanned<u64>>,
     /// δ, m.
@@ -53,6 +54,9 @@ const LENGTH_SCALE_RATIO: Range = Range {
     why: "a crack takes 2δ/ℓ times its fracture energy, which is right at 0.5",
 };
 
+/// δ/Δx at which cracks take the same in all directions: 0.87 to 0.95 of 2δ c (see `ratio_warning`).
+const ROUND: f64 = 2.3;
+
 /// Influence function ω(|ξ|).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -81,16 +85,21 @@ pub enum HorizonSize {
 
 impl Horizon {
     /// The size, with the damage that a ratio to its length scale refers to; 15 neighbours if
-    /// nothing was typed.
+    /// nothing was typed, or 2.3 spacings where rock breaks in the split model.
     pub fn size(&self, damage: Option<&Damage>) -> HorizonSize {
         if let (Some(ratio), Some(damage)) = (self.length_scale_ratio, damage) {
-            return HorizonSize::Radius(ratio.value() * damage.length_scale.value());
+            if let Some(length) = damage.length_scale {
+                return HorizonSize::Radius(ratio.value() * length.value());
+            }
         }
         match (self.neighbours, self.radius, self.ratio) {
             (_, Some(radius), _) => HorizonSize::Radius(radius.value()),
             (_, _, Some(ratio)) => HorizonSize::Ratio(ratio.value()),
             (Some(n), ..) => {
                 HorizonSize::Neighbours(usize::try_from(n.value).unwrap_or(usize::MAX))
+            }
+            _ if damage.is_some_and(|damage| damage.model == DamageModel::Split) => {
+                HorizonSize::Ratio(ROUND)
             }
             _ => HorizonSize::Neighbours(15),
         }

@@ -25,7 +25,7 @@ pub use audit::Audit;
 pub use coupling::Coupling;
 pub use cracks::{Crack, CrackDisc, CrackKind, Injection};
 pub(crate) use cracks::{disc_in_plane, points_in_space};
-pub use damage::{Damage, DamageMethod, DamageModel, EnergySplit, Hourglass};
+pub use damage::{Damage, DamageMethod, DamageModel, EnergySplit, Hourglass, Normalise};
 pub use flow::{
     Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition, PressureRegion,
     SealedCondition,
