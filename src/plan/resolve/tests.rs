@@ -7,8 +7,8 @@ use super::*;
 use crate::geometry::{Horizon, Shape};
 use crate::load::Load;
 use crate::plan::{
-    Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamagePlan,
-    EnergySplit, FractureFlowPlan, GradientChoice, HourglassRule, InjectionPlan, Integrator,
+    Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan,
+    EnergySplit, Exponent, FractureFlowPlan, GradientChoice, HourglassRule, InjectionPlan, Integrator,
     Normalise, SchemeChoice, SolidMethod, Support, TimeMode, TransmissivityRule,
 };
 use crate::scene::load_str;
@@ -232,7 +232,7 @@ fn a_cloud_without_planes_has_no_sides_to_hold_or_load() {
 const BROKEN: &[&str] = &[
     "materials.rock.fracture_energy=50 J/m^2",
     "coupling={}",
-    "damage={length_scale = \"20 cm\", split = \"none\", normalise = true, method = \"alternate\"}",
+    "damage={model = \"paper\", length_scale = \"20 cm\", split = \"none\", normalise = true, method = \"alternate\"}",
     "fracture_flow={storage = 4e-10, viscosity = \"2 cP\", lower_threshold = 0.4}",
     "cracks.notch={kind = \"damaged\", points = [[0.3, 0.5], [0.6, 0.5]], injection = {rate = \
      \"1e-6 m^2/s\", at = [0.4, 0.5]}}",
@@ -246,7 +246,10 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
     assert_eq!(plan.horizon, Horizon::Radius(0.4));
     assert_eq!(plan.materials[0].fracture_energy, Some(50.0));
     let damage = DamagePlan {
-        length_scale: 0.2,
+        model: DamageModel::Paper,
+        exponent: Exponent::Two,
+        friction: 0.6,
+        length_scale: Some(0.2),
         split: EnergySplit::None,
         residual_stiffness: 1e-9,
         hourglass: HourglassRule::Variational,
@@ -259,6 +262,7 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
     };
     assert_eq!(plan.damage, Some(damage));
     let fracture_flow = FractureFlowPlan {
+        residual_aperture: 1e-5,
         aperture: ApertureRule::Normal,
         transmissivity: TransmissivityRule::Cubic,
         lower_threshold: 0.4,

@@ -391,9 +391,9 @@ fn normalise_is_a_switch_or_a_word() {
         let text = PUMPED.replace("normalise = false", &format!("normalise = {value}"));
         load(&text, &[]).map(|loaded| loaded.scene.damage.as_ref().unwrap().normalise)
     };
-    assert_eq!(read("false").unwrap(), Normalise::Off);
-    assert_eq!(read("true").unwrap(), Normalise::Horizon);
-    assert_eq!(read("\"mean\"").unwrap(), Normalise::Mean);
+    assert_eq!(read("false").unwrap(), Some(Normalise::Off));
+    assert_eq!(read("true").unwrap(), Some(Normalise::Horizon));
+    assert_eq!(read("\"mean\"").unwrap(), Some(Normalise::Mean));
     for (value, found) in [("\"median\"", "\"median\""), ("1", "1")] {
         let text = PUMPED.replace("normalise = false", &format!("normalise = {value}"));
         let message = format!("expected `true`, `false` or \"mean\", found {found}");
