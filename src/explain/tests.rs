@@ -23,9 +23,10 @@ density = "2500 kg/m^3"
 [gravity]
 acceleration = [0, -10]
 [mechanics]
-body_force = [1, 0]
-[mechanics.initial_stress]
-xx = 5
+body_force = [0, 1]
+[initial]
+stress.xx = -1
+stress_gradient.yy = -24999
 [mechanics.boundary]
 bottom = { clamped = true }
 left = { traction = [1, 0] }

@@ -1,10 +1,9 @@
 //! Damage as a plan asks for it, and what a solid with damage answers.
 
-use crate::effects::tensor;
 use crate::geometry::Matrix;
 use crate::material::DamageLaw;
 use crate::operators::{Damage, Elastic, Response};
-use crate::plan::{MechanicsPlan, Plan};
+use crate::plan::Plan;
 
 use super::bands::Bands;
 use super::properties::Properties;
@@ -13,10 +12,11 @@ use super::{MovingWall, SolidModel};
 /// Damage of points in cracks that are there from the start.
 const BROKEN: f64 = 0.9999;
 
-/// Damage with the strength of the materials, broken in the bands; `None` if the plan does not name it.
+/// Damage with the strength of the materials, broken in the bands; `None` if the plan does not name it. The
+/// initial effective stress (Pa) is the same at all points.
 pub(super) fn build<const D: usize>(
     plan: &Plan,
-    mechanics: &MechanicsPlan,
+    prestress: Option<&Matrix<D>>,
     elastic: &Elastic<D>,
     points: &Properties,
     bands: &Bands,
@@ -26,7 +26,7 @@ pub(super) fn build<const D: usize>(
         split: damage.split,
         residual_stiffness: damage.residual_stiffness,
         hourglass: damage.hourglass,
-        prestress: (mechanics.initial_stress.as_ref()).map_or_else(Matrix::zeros, tensor),
+        prestress: prestress.copied().unwrap_or_else(Matrix::zeros),
     };
     let horizon = &elastic.around.families.horizon;
     // A band as wide as the horizon sees takes 2δ G_c/ℓ per area, not G_c.

@@ -22,10 +22,10 @@ pub use setup::Setup;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
     DamageMethod, DamagePlan, EnergySplit, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,
-    GradientChoice, GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan,
-    MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
-    ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition,
-    SolidMethod, StartPlan, StepRule, Support, TimeMode, TimePlan, TractionPlan,
+    GradientChoice, GravityPlan, HourglassRule, InitialPlan, InjectionPlan, Integrator,
+    MaterialPlan, MechanicsPlan, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe,
+    Profile, ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions,
+    SideCondition, SolidMethod, StartPlan, StepRule, Support, TimeMode, TimePlan, TractionPlan,
     TransmissivityRule, WellPlan,
 };
 pub use width::{damage_width, width_warning};

@@ -292,7 +292,9 @@ impl<const D: usize> SolidSolver<D> for Relaxation {
             })
             .sum();
         let drive = solid.drive(state.time).powi(2);
-        let bar = self.options.adr_tolerance * (dot(&external, &external) + walls + drive).sqrt();
+        let in_situ = solid.in_situ_force.powi(2) / force.len().max(1) as f64;
+        let size = dot(&external, &external) + walls + drive + in_situ;
+        let bar = self.options.adr_tolerance * size.sqrt();
         let size = norm2(&force);
         if self.options.solid == SolidMethod::Verlet
             || (self.options.solid == SolidMethod::Switched && size <= bar)

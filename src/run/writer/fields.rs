@@ -7,7 +7,6 @@ use crate::geometry::Matrix;
 use crate::model::{FlowModel, Model, SolidModel};
 use crate::operators::{Damage, Lame};
 use crate::output::{Field, OutputError, VtuData, write_pvtu, write_vtu};
-use crate::plan::Plan;
 use crate::schemes::State;
 
 /// Rows and columns of the components of a stress: xx, yy, zz, xy, yz, xz.
@@ -38,11 +37,10 @@ impl Array<'_> {
 /// Those of [`write_vtu`].
 pub fn write<const D: usize>(
     path: &Path,
-    plan: &Plan,
     model: &Model<D>,
     state: &State,
 ) -> Result<(), OutputError> {
-    let mut arrays = arrays(plan, model, state);
+    let mut arrays = arrays(model, state);
     let mut positions = model.cloud.flat_positions();
     if let Some(partition) = model.subdomain().partition() {
         positions = of_points(&positions, D, partition.own());
@@ -66,12 +64,11 @@ pub fn write<const D: usize>(
 /// Those of [`write_pvtu`].
 pub fn write_index<const D: usize>(
     path: &Path,
-    plan: &Plan,
     model: &Model<D>,
     state: &State,
     pieces: &[String],
 ) -> Result<(), OutputError> {
-    let arrays = arrays(plan, model, state);
+    let arrays = arrays(model, state);
     let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
     write_pvtu(path, &fields, pieces)
 }
@@ -83,11 +80,7 @@ fn of_points(values: &[f64], per_point: usize, points: &[u32]) -> Vec<f64> {
 }
 
 /// All fields that the scene names.
-fn arrays<'a, const D: usize>(
-    plan: &Plan,
-    model: &'a Model<D>,
-    state: &'a State,
-) -> Vec<Array<'a>> {
+fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Array<'a>> {
     let mut arrays = Vec::new();
     if let Some(flow) = &model.flow {
         arrays.extend(of_flow(model, flow, state));
@@ -96,9 +89,7 @@ fn arrays<'a, const D: usize>(
         arrays.push(array("aperture", "m", 1, &fractures.aperture[..]));
     }
     if let Some(solid) = &model.solid {
-        let mechanics = plan.mechanics.as_ref();
-        let initial = mechanics.and_then(|mechanics| mechanics.initial_stress);
-        arrays.extend(of_solid(solid, state, &initial.unwrap_or_default()));
+        arrays.extend(of_solid(solid, state));
     }
     let material: Vec<f64> = model.material.iter().map(|&m| f64::from(m)).collect();
     arrays.push(array("volume", "m^D", 1, &model.cloud.volume[..]));
@@ -140,20 +131,20 @@ fn of_flow<'a, const D: usize>(
 
 /// Displacement, effective stress (tension positive), volumetric strain, and the velocity of the
 /// solid if it has one.
-fn of_solid<'a, const D: usize>(
-    solid: &SolidModel<D>,
-    state: &'a State,
-    initial: &[f64; 6],
-) -> Vec<Array<'a>> {
+fn of_solid<'a, const D: usize>(solid: &SolidModel<D>, state: &'a State) -> Vec<Array<'a>> {
+    let initial = |point: usize| (solid.initial_components.get(point)).map_or([0.0; 6], |own| *own);
     let slopes = solid.slopes(&state.displacement, &state.walls);
     let stress: Vec<f64> = match &solid.damage {
         None => slopes
             .iter()
             .zip(&solid.elastic.lame)
-            .flat_map(|(slope, lame)| stress(*lame, slope, initial))
+            .enumerate()
+            .flat_map(|(point, (slope, lame))| stress(*lame, slope, &initial(point)))
             .collect(),
         Some(damage) => (slopes.iter().enumerate())
-            .flat_map(|(point, slope)| damaged_stress(solid, damage, state, point, slope, initial))
+            .flat_map(|(point, slope)| {
+                damaged_stress(solid, damage, state, point, slope, &initial(point))
+            })
             .collect(),
     };
     let volumetric: Vec<f64> = slopes.iter().map(Matrix::trace).collect();

@@ -25,6 +25,12 @@ density = "2300 kg/m^3"
 [gravity]
 acceleration = [0, -9.81]
 
+[initial]
+kind = "effective"
+k0 = 0.5
+datum = "100 m"
+pressure = "hydrostatic"
+
 [flow.boundary.top]
 pressure = 0
 
@@ -33,7 +39,6 @@ mode = "quasi-static"
 hourglass = 0.5
 gradient = "plain"
 body_force = ["1 kN/m^3", 0]
-initial_stress = { xx = "-1 MPa", zz = "-2 MPa" }
 
 [mechanics.boundary]
 left.roller = true
@@ -305,7 +310,7 @@ fn a_solid_body_has_three_axes_and_whole_forces() {
         "geometry.points=[4, 8, 4]",
         "gravity.acceleration=[0, -9.81, 0]",
         "mechanics.body_force=[0, 0, 0]",
-        "mechanics.initial_stress.yz=1 bar",
+        "initial={stress = {yz = \"1 bar\"}}",
         "mechanics.boundary.bottom={roller = true}",
         "mechanics.boundary.top={free = true}",
         "mechanics.boundary.front={roller = true}",
