@@ -242,6 +242,7 @@ mod tests {
             let plan = super::super::tests::plan(&[
                 "materials.rock.fracture_energy=1e6",
                 "mechanics.initial_stress={zz=\"-2 MPa\"}",
+                "mechanics.boundary.top={free=true}",
                 &damage,
             ]);
             let model = Model::<2>::build(&plan, &mut Timers::default()).unwrap();

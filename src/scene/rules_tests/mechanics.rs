@@ -25,12 +25,6 @@ density = "2300 kg/m^3"
 [gravity]
 acceleration = [0, -9.81]
 
-[initial]
-kind = "effective"
-k0 = 0.5
-datum = "100 m"
-pressure = "hydrostatic"
-
 [flow.boundary.top]
 pressure = 0
 
@@ -174,13 +168,6 @@ fn mechanics_rules() {
             "expected a force per volume (N/m^3), found a pressure: \"1 kN/m^2\"",
             "\"1 kN/m^2\"",
         ),
-        (
-            "zz = \"-2 MPa\"",
-            "yz = 5",
-            "a plane domain has no component `yz`",
-            "5",
-        ),
-        ("zz = \"-2 MPa\"", "zx = 5", "unknown key `zx`", "zx"),
         (
             "right.free",
             "front.free",
