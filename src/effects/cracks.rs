@@ -2,8 +2,9 @@
 
 use super::solid::{SolidContext, SolidLoad};
 use super::{Effect, EffectError};
+use crate::geometry::Matrix;
 use crate::operators::{Divergence, Elastic, face_areas};
-use crate::plan::CrackKind;
+use crate::plan::{CrackKind, Plan};
 
 /// Pressures of the cracks that have one.
 pub fn crack_pressures<const D: usize>(
@@ -37,6 +38,28 @@ pub fn crack_pressures<const D: usize>(
         }));
     }
     Ok(effects)
+}
+
+/// Forces that the initial stress exerts on the faces of cuts with a pressure, shape `(n·D,)`, N: the faces carry
+/// that pressure alone. Faces without one are closed, and carry the stress on.
+pub fn released_faces<const D: usize>(
+    plan: &Plan,
+    elastic: &Elastic<D>,
+    stress: impl Fn(usize) -> Matrix<D>,
+) -> Vec<f64> {
+    let sign = |axis: usize, image: u8| elastic.extension[axis].sign(image);
+    let mut force = vec![0.0; D * elastic.points()];
+    for (number, crack) in (0_u16..).zip(&plan.cracks) {
+        if crack.kind != CrackKind::Cut || crack.pressure.is_none() {
+            continue;
+        }
+        let areas = face_areas(&elastic.around, number..number + 1, sign);
+        for (point, area) in areas.iter().flatten().enumerate() {
+            let released = stress(point) * area;
+            (0..D).for_each(|axis| force[point * D + axis] -= released[axis]);
+        }
+    }
+    force
 }
 
 /// Forces of a unit pressure in the pores of some points, m^(D−1), shape `(n·D,)`.

@@ -53,6 +53,16 @@ impl<const D: usize> Column<D> {
         self.weight.dot(&(x - self.datum))
     }
 
+    /// Hydrostatic pressure at `x` above that at a height (m, against gravity from the origin), Pa; above that
+    /// at the highest point if there is none.
+    pub fn pressure_below(&self, height: Option<f64>, x: &Vector<D>) -> f64 {
+        let weight = self.weight.norm();
+        match height {
+            Some(height) => self.weight.dot(x) + weight * height,
+            None => self.pressure(x),
+        }
+    }
+
     /// What a hydrostatic side adds to its prescribed value at `x` on the side, Pa; the value
     /// itself holds at the highest point of the side.
     fn on_wall(&self, side: Side, x: &Vector<D>) -> f64 {

@@ -18,10 +18,11 @@ mod wells;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use aperture::aperture;
+pub use cracks::released_faces;
 pub use gravity::Column;
 pub use injection::injection_shares;
 pub use opening::{Opening, openings};
-pub use solid::{SolidContext, build_solid, tensor};
+pub use solid::{SolidContext, build_solid, initial_force, loaded_side, tensor};
 
 pub use crate::plan::Effect;
 

@@ -1,4 +1,4 @@
-//! Loads on the solid: tractions on sides, body forces, weight, initial stress.
+//! Loads on the solid: tractions on sides, body forces, weight.
 
 use super::cracks::crack_pressures;
 use super::side_area::acting_area;
@@ -26,13 +26,12 @@ pub struct SolidContext<'a, const D: usize> {
 type Build<const D: usize> = fn(&SolidContext<'_, D>) -> Result<Vec<Box<dyn Effect>>, EffectError>;
 
 /// Every load with the function that builds it, or nothing if the plan does not name it.
-fn registry<const D: usize>() -> [Build<D>; 7] {
+fn registry<const D: usize>() -> [Build<D>; 6] {
     [
         tractions,
         loads,
         body_force,
         weight,
-        initial_stress,
         crack_pressures,
         own::of_solid,
     ]
@@ -106,8 +105,14 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
     sums.iter().enumerate().map(area).collect()
 }
 
-/// The areas of a side that is loaded.
-fn loaded_side<const D: usize>(elastic: &Elastic<D>, side: Side) -> Result<Vec<f64>, EffectError> {
+/// The areas of a side that is loaded, shape `(n,)`, m^(D−1).
+///
+/// # Errors
+/// [`EffectError::SideArea`] if they add up to another area than that of the side.
+pub fn loaded_side<const D: usize>(
+    elastic: &Elastic<D>,
+    side: Side,
+) -> Result<Vec<f64>, EffectError> {
     let mut area = side_areas(elastic, side);
     let cloud = &elastic.around.cloud;
     let found = area.iter().sum();
@@ -255,27 +260,18 @@ fn weight<const D: usize>(
     constant("weight", force.collect())
 }
 
-/// −Bᵀ V σ⁰: the force of a stress that is there before anything strains.
-fn initial_stress<const D: usize>(
-    context: &SolidContext<'_, D>,
-) -> Result<Vec<Box<dyn Effect>>, EffectError> {
-    // What is damaged carries less of it: there it is part of the law (Eq. 27).
-    let intact = context.plan.damage.is_none();
-    let Some(stress) = context.mechanics.initial_stress.as_ref().filter(|_| intact) else {
-        return Ok(Vec::new());
-    };
-    let stress: Matrix<D> = tensor(stress);
-    let elastic = context.elastic;
+/// −Bᵀ V σ⁰: the force of a stress per point that is there before anything strains, shape `(n·D,)`, N.
+pub fn initial_force<const D: usize>(elastic: &Elastic<D>, stress: &[Matrix<D>]) -> Vec<f64> {
     let families = &elastic.around.families;
     let forces: Vec<Vector<D>> = (0..elastic.points())
         .flat_map(|owner| {
-            let volume = elastic.around.cloud.volume[owner];
+            let pull = stress[owner] * -elastic.around.cloud.volume[owner];
             families
                 .family(owner)
-                .map(move |bond| stress * elastic.gradient.weight[bond] * -volume)
+                .map(move |bond| pull * elastic.gradient.weight[bond])
         })
         .collect();
-    constant("initial-stress", elastic.gather(&forces))
+    elastic.gather(&forces)
 }
 
 /// Symmetric tensor from xx, yy, zz, xy, yz, xz.

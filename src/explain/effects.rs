@@ -158,10 +158,10 @@ fn forces(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Reason> {
             "[gravity] is there, and the rock has a density",
         ));
     }
-    if mechanics.initial_stress.is_some() {
+    if plan.initial.is_some() {
         forces.push(reason(
             "initial-stress",
-            "mechanics.initial_stress is there",
+            "[initial] or mechanics.initial_stress is there, and what balances it",
         ));
     }
     forces

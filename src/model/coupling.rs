@@ -106,7 +106,8 @@ impl<const D: usize> Model<D> {
         content
     }
 
-    /// Forces out of balance at `time`, f − K u − r w + Qᵀ p, shape `(n·D,)`, N, and their scale Σ|f| + Σ|Qᵀp|.
+    /// Forces out of balance at `time`, f − K u − r w + Qᵀ p, shape `(n·D,)`, N, and their scale: Σ|f| + Σ|Qᵀp|,
+    /// and the force of the in-situ stress.
     pub fn unbalanced(&self, time: f64, state: &Fields<'_>) -> (Vec<f64>, f64) {
         let Some(solid) = &self.solid else {
             return (Vec::new(), 0.0);
@@ -151,7 +152,7 @@ impl<const D: usize> Model<D> {
         };
         let at_walls: f64 = solid.walls.iter().zip(walls).map(at_wall).sum();
         External {
-            scale: size(&loads) + size(&push) + at_walls,
+            scale: size(&loads) + size(&push) + at_walls + solid.in_situ_force,
             loads,
             push,
         }
@@ -177,7 +178,11 @@ impl<const D: usize> Model<D> {
             let energy = elastic + self.stored_energy(pressure);
             return Some(Audit {
                 unbalanced: size(&force),
-                forces: size(&loads) + size(&push) + size(&held) + self.crack_push(&response),
+                forces: size(&loads)
+                    + size(&push)
+                    + size(&held)
+                    + self.crack_push(&response)
+                    + solid.in_situ_force,
                 energy,
                 potential: energy - dot(&loads, displacement),
                 elastic,

@@ -1,7 +1,7 @@
 //! Damage as a plan asks for it, and what a solid with damage answers.
 
-use crate::effects::{tensor, vector};
-use crate::geometry::{Cloud, Crack, Families, Vector};
+use crate::effects::vector;
+use crate::geometry::{Cloud, Crack, Families, Matrix, Vector};
 use crate::material::{CrackPlane, DamageLaw, DamageModel};
 use crate::operators::{BandLaw, Damage, DamageFields, Elastic, FamilyWidths, Response};
 use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Normalise, Plan};
@@ -60,7 +60,7 @@ pub(super) fn widths<const D: usize>(
 /// Damage with the strength of the materials, broken in the bands; `None` if the plan does not name it.
 pub(super) fn build<const D: usize>(
     plan: &Plan,
-    mechanics: &MechanicsPlan,
+    prestress: &[Matrix<D>],
     elastic: &Elastic<D>,
     widths: Option<&FamilyWidths<D>>,
     points: &Properties,
@@ -83,9 +83,7 @@ pub(super) fn build<const D: usize>(
         initial[point] = law.history(BROKEN, toughness[point]);
     }
     let mut built = Damage::new(law, toughness, initial);
-    if let Some(stress) = &mechanics.initial_stress {
-        built.prestress = vec![tensor(stress); elastic.points()];
-    }
+    built.prestress = prestress.to_vec();
     if law.model == DamageModel::Split {
         built.initial_normal = normals(plan, elastic, bands);
     }

@@ -130,6 +130,69 @@ pub enum ModelError {
         /// Which region, from 1.
         number: usize,
     },
+    /// A region of the in-situ stress holds no point of its own.
+    #[error(
+        "initial.regions #{number} holds no point, or later regions hold all of them; enlarge it, reorder the \
+         regions, or refine the cloud"
+    )]
+    EmptyStressRegion {
+        /// Which region, from 1.
+        number: usize,
+    },
+    /// K₀ with a weight that is no function of depth.
+    #[error(
+        "initial.k0 needs a weight of the rock that depends on depth only, in layers along an axis of a lattice: \
+         there are {:.6e} and {:.6e} N/m^3; give initial.stress and initial.stress_gradient instead",
+        weights[0], weights[1]
+    )]
+    UnevenWeight {
+        /// Two weights that differ, N/m³.
+        weights: [f64; 2],
+    },
+    /// An in-situ stress that is not in equilibrium inside.
+    #[error(
+        "the initial stress is not in equilibrium: div(total stress) + weight + body force leaves {residual:.6e} \
+         Pa/m at {at:?}, where the rock weighs {weight:.6e} N/m^3; correct initial.stress_gradient (per metre of \
+         depth; effective stress changes by alpha times the weight of the fluid less), or use initial.k0"
+    )]
+    UnbalancedStress {
+        /// What is left, Pa/m.
+        residual: f64,
+        /// Weight of the rock there, N/m³.
+        weight: f64,
+        /// Position, m.
+        at: Vec<f64>,
+    },
+    /// A traction that is not that of the in-situ stress.
+    #[error(
+        "the initial total stress exerts the traction {stress:?} Pa on side {side} at {at:?}, but \
+         mechanics.boundary.{side}.traction is {traction:?} Pa at the start; a traction is the total one: begin \
+         with that of the stress and change it in time, leave it out, or add a load in [mechanics.loads]"
+    )]
+    InitialTraction {
+        /// The side.
+        side: &'static str,
+        /// Traction of the total stress, Pa.
+        stress: Vec<f64>,
+        /// The prescribed one, Pa.
+        traction: Vec<f64>,
+        /// Where they differ most, m.
+        at: Vec<f64>,
+    },
+    /// A plate whose force is not that of the in-situ stress.
+    #[error(
+        "the initial total stress exerts {force:.8e} N on the plate of side {side}, but \
+         mechanics.boundary.{side}.plate is {given:.8e} N at the start; begin with the force of the stress and \
+         change it in time"
+    )]
+    InitialPlate {
+        /// The side.
+        side: &'static str,
+        /// Force of the total stress along the axis, N.
+        force: f64,
+        /// The prescribed one, N.
+        given: f64,
+    },
     /// Points without a material.
     #[error(
         "{count} points have no material, the first at {position:?}; add a material without a \

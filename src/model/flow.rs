@@ -104,7 +104,8 @@ impl<const D: usize> FlowModel<D> {
         let (fixed, fixed_loads) = fixed_points(plan, flow, cloud, bands)?;
         let initial = cloud.position.iter().map(|x| {
             let weight = column.as_ref().filter(|_| flow.hydrostatic_start);
-            flow.initial_pressure + weight.map_or(0.0, |column| column.pressure(x))
+            flow.initial_pressure
+                + weight.map_or(0.0, |column| column.pressure_below(flow.datum, x))
         });
         Ok(FlowModel {
             capacity: points

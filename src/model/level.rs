@@ -24,8 +24,5 @@ fn stresses(mechanics: &MechanicsPlan) -> impl Iterator<Item = f64> + '_ {
         _ => &[],
     });
     let loads = sides.chain(mechanics.loads.iter().flat_map(|load| &load.traction));
-    let initial = mechanics.initial_stress.iter().flatten().copied();
-    loads
-        .flat_map(|load| load.values().iter().copied())
-        .chain(initial)
+    loads.flat_map(|load| load.values().iter().copied())
 }

@@ -13,6 +13,7 @@ mod error;
 mod fit;
 mod flow;
 mod fracture_flow;
+mod in_situ;
 mod level;
 mod operator_choice;
 mod places;
@@ -41,6 +42,8 @@ pub use places::{Faces, Places};
 pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
+
+use in_situ::InSitu;
 
 use crate::effects::injection_shares;
 use crate::geometry::{Cloud, Families, Horizon, Subdomain, Vector, horizons};
@@ -153,6 +156,7 @@ impl<const D: usize> Model<D> {
             None => Places::find(plan, &cloud, &families.horizon)?,
         };
         let points = properties::assign(plan, &cloud, table)?;
+        let in_situ = InSitu::of(plan, &cloud, &points)?;
         let bands = Bands::find(plan, &cloud)?;
         fit::check_bands(plan, &bands)?;
         let mut warnings = Vec::new();
@@ -163,7 +167,7 @@ impl<const D: usize> Model<D> {
             &cloud,
             &families,
             (&points, &bands),
-            coupling.as_ref(),
+            (coupling.as_ref(), in_situ.as_ref()),
             &mut warnings,
             timers,
         )?;
@@ -179,7 +183,7 @@ impl<const D: usize> Model<D> {
         let fracture_flow =
             FractureFlow::of(plan, flow.as_ref(), coupling.as_ref(), &points.permeability);
         let injections = injections(plan, flow.as_ref(), &bands);
-        Ok(Model {
+        let mut model = Model {
             level: level::level(plan, flow.as_ref()),
             fracture_flow,
             injections: Arc::new(injections),
@@ -193,7 +197,11 @@ impl<const D: usize> Model<D> {
             bands: Arc::new(bands),
             warnings,
             timers: timers.clone(),
-        })
+        };
+        if let Some(in_situ) = &in_situ {
+            in_situ::balance(plan, in_situ, &mut model)?;
+        }
+        Ok(model)
     }
 
     /// The rows and families that are stored here.
@@ -311,7 +319,7 @@ fn build_solid<const D: usize>(
     cloud: &Arc<Cloud<D>>,
     families: &Families<D>,
     (points, bands): (&properties::Properties, &Bands),
-    coupling: Option<&Coupling>,
+    (coupling, in_situ): (Option<&Coupling>, Option<&InSitu<'_, D>>),
     warnings: &mut Vec<String>,
     timers: &mut Timers,
 ) -> Result<Option<SolidModel<D>>, ModelError> {
@@ -324,7 +332,7 @@ fn build_solid<const D: usize>(
     solid.timers = timers.clone();
     let divergence = coupling.map(|coupling| &coupling.divergence);
     let solid = timers.time("assembly", || {
-        solid.assemble(plan, mechanics, points, bands, divergence)
+        solid.assemble(plan, mechanics, points, bands, divergence, in_situ)
     })?;
     Ok(Some(solid))
 }

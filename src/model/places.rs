@@ -128,12 +128,16 @@ fn faces<const D: usize>(
     (crack, own): (&Crack<D>, &CrackPlan),
 ) -> Result<Vec<Faces<D>>, ModelError> {
     let (along, mirror) = match &own.place {
-        CrackPlace::Chain(_) => (crack.middles(ALONG), false),
+        CrackPlace::Chain(_) => {
+            let damaged = own.kind == CrackKind::Damaged;
+            let mirror = damaged && on_symmetry(plan, cloud, &crack.points, None);
+            (crack.middles(ALONG), mirror)
+        }
         CrackPlace::Disc { .. } => {
             let disc = Disc::of(&own.place);
             let mirror = disc
                 .as_ref()
-                .is_some_and(|disc| on_symmetry(plan, cloud, disc));
+                .is_some_and(|disc| on_symmetry(plan, cloud, &[disc.centre], Some(disc.normal)));
             (
                 disc.map_or_else(Vec::new, |disc| disc.radius(&cloud.domain, ALONG)),
                 mirror,
@@ -157,16 +161,25 @@ fn faces<const D: usize>(
     along.into_iter().map(face).collect()
 }
 
-/// Whether a disc lies on a side on which the displacement is symmetric.
-fn on_symmetry<const D: usize>(plan: &Plan, cloud: &Cloud<D>, disc: &Disc<D>) -> bool {
+/// Whether all of some points, and a plane with a normal if there is one, lie on a side on which the displacement
+/// is symmetric.
+fn on_symmetry<const D: usize>(
+    plan: &Plan,
+    cloud: &Cloud<D>,
+    points: &[Vector<D>],
+    normal: Option<Vector<D>>,
+) -> bool {
     let Some(mechanics) = &plan.mechanics else {
         return false;
     };
     Side::all(D).any(|side| {
         let held =
             matches!(&mechanics.sides[side.index()], Support::Roller(load) if load.is_constant());
-        let gap = (disc.centre[side.axis] - cloud.domain.plane(side)).abs();
-        let flat = disc.normal[side.axis].abs() > 1.0 - 1e-9;
-        cloud.domain.planes && held && flat && gap <= 1e-9 * cloud.domain.size()[side.axis]
+        let gap = |x: &Vector<D>| (x[side.axis] - cloud.domain.plane(side)).abs();
+        let near = points
+            .iter()
+            .all(|x| gap(x) <= 1e-9 * cloud.domain.size()[side.axis]);
+        let flat = normal.is_none_or(|normal| normal[side.axis].abs() > 1.0 - 1e-9);
+        cloud.domain.planes && held && flat && near
     })
 }

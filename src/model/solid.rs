@@ -27,6 +27,7 @@ use crate::report::Timers;
 
 use super::ModelError;
 use super::bands::Bands;
+use super::in_situ::InSitu;
 use super::properties::Properties;
 
 /// Operators, loads and walls of the mechanical problem.
@@ -49,6 +50,17 @@ pub struct SolidModel<const D: usize> {
     pub consistency: Option<Consistency>,
     /// How often K was filled.
     pub refills: u64,
+    /// Effective stress of the in-situ state per point, Pa, tension positive; empty if the plan names none. What
+    /// strains adds to it.
+    pub initial_stress: Vec<Matrix<D>>,
+    /// Its components xx, yy, zz, xy, yz, xz per point, Pa, those across a plane included; empty likewise.
+    pub initial_components: Vec<[f64; 6]>,
+    /// Constant force that balances the in-situ state, shape `(n·D,)`, N; empty if the plan names none. What its
+    /// stress asks of the sides, less what is prescribed there.
+    pub implied: Vec<f64>,
+    /// Largest in-situ stress times the surface of the domain, N: a scale of forces where all are in balance;
+    /// zero without an in-situ state.
+    pub in_situ_force: f64,
     /// Damage, if the plan names it; K is then that of intact rock.
     pub damage: Option<Damage<D>>,
     /// Effective widths of the families, if the strength of the rock follows from them.
@@ -70,6 +82,8 @@ pub struct MovingWall {
     pub bonds: Vec<(u32, f64)>,
     /// Force on every unknown per metre of the wall, sparse: column r of the stiffness, N/m.
     pub response: Vec<(u32, f64)>,
+    /// Constant force on a plate that balances the in-situ state, N; zero for other walls and without one.
+    pub implied: f64,
     /// Pore volume gained by every point per metre of the wall, sparse, m^(D−1).
     pub content: Vec<(u32, f64)>,
 }
@@ -140,6 +154,10 @@ impl<const D: usize> SolidModel<D> {
             mass,
             consistency,
             refills: 0,
+            initial_stress: Vec::new(),
+            initial_components: Vec::new(),
+            implied: Vec::new(),
+            in_situ_force: 0.0,
             damage: None,
             widths,
             timers: Timers::default(),
@@ -155,9 +173,20 @@ impl<const D: usize> SolidModel<D> {
         points: &Properties,
         bands: &Bands,
         coupling: Option<&Divergence>,
+        in_situ: Option<&InSitu<'_, D>>,
     ) -> Result<Self, ModelError> {
-        let widths = self.widths.as_ref();
-        self.damage = super::damage::build(plan, mechanics, &self.elastic, widths, points, bands);
+        if let Some(in_situ) = in_situ {
+            let points = 0..self.elastic.points();
+            self.initial_components = points.map(|point| in_situ.effective(point)).collect();
+            self.initial_stress = self
+                .initial_components
+                .iter()
+                .map(effects::tensor)
+                .collect();
+        }
+        let (widths, prestress) = (self.widths.as_ref(), &self.initial_stress);
+        self.damage =
+            super::damage::build(plan, prestress, &self.elastic, widths, points, bands);
         self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         self.stiffness = self.points.expanded(D)?.into_matrix();
         self.refill();
@@ -220,6 +249,7 @@ impl<const D: usize> SolidModel<D> {
                     .filter(|(_, offset)| *offset != 0.0)
                     .collect(),
                 response: sparse(elastic.gather(forces)),
+                implied: 0.0,
                 content: coupling.map_or_else(Vec::new, |coupling| {
                     let of = |i| coupling.of_differences(elastic, i, |bond| offset(wall, bond));
                     let mut content: Vec<f64> = (0..elastic.points()).map(of).collect();
@@ -245,12 +275,17 @@ impl<const D: usize> SolidModel<D> {
         self.stiffness.view()
     }
 
-    /// External forces at `time`, shape `(n·D,)`, N; walls and pressure not included.
+    /// External forces at `time`, shape `(n·D,)`, N, with what balances the in-situ state; walls and pressure
+    /// not included.
     pub fn loads(&self, time: f64, force: &mut [f64]) {
         force.fill(0.0);
         self.effects
             .iter()
             .for_each(|effect| effect.add_rate(time, force));
+        force
+            .iter_mut()
+            .zip(&self.implied)
+            .for_each(|(force, implied)| *force += implied);
     }
 
     /// Sets the walls of prescribed displacement to their place at `time`, m.
@@ -286,7 +321,7 @@ impl<const D: usize> SolidModel<D> {
     ) -> Vec<f64> {
         let internal = self.internal_wall_force(displacement, walls, pressure);
         let drive = |wall: &MovingWall| match &wall.drive {
-            Drive::Force(load) => load.at(time),
+            Drive::Force(load) => load.at(time) + wall.implied,
             Drive::Displacement(_) => 0.0,
         };
         self.walls
@@ -343,7 +378,7 @@ impl<const D: usize> SolidModel<D> {
     /// Work Fᵀw of the forces on the plates at `time`, J.
     pub fn plate_work(&self, time: f64, walls: &[f64]) -> f64 {
         let work = |(wall, place): (&MovingWall, &f64)| match &wall.drive {
-            Drive::Force(load) => load.at(time) * place,
+            Drive::Force(load) => (load.at(time) + wall.implied) * place,
             Drive::Displacement(_) => 0.0,
         };
         self.walls.iter().zip(walls).map(work).sum()

@@ -21,11 +21,12 @@ pub use resolve::{resolve, resolve_any, resolve_for};
 pub use setup::Setup;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
-    DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan,
-    GradientChoice, GravityPlan, HourglassRule, InjectionPlan, Integrator, MaterialPlan,
-    MechanicsPlan, Normalise, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, Probe, Profile,
-    ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SideCondition,
-    SolidMethod, StartPlan, StepRule, Support, TimeMode, TimePlan, TractionPlan,
+    DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan,
+    FractureFlowPlan, GeometryPlan, GradientChoice, GravityPlan, HourglassRule, InitialPlan,
+    InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, Normalise, OperatorChoice, OutputPlan,
+    PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
+    SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StartPlan, StepRule, Support, TimeMode,
+    TimePlan, TractionPlan,
     TransmissivityRule, WellPlan,
 };
 pub use width::{damage_width, ratio_warning, width_warning};

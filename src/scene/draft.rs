@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::Scene;
 use super::diagnostics::Diagnostic;
 use super::sections::{
-    Audit, Coupling, Crack, Damage, Flow, Fluid, FractureFlow, Geometry, Gravity, Horizon,
+    Audit, Coupling, Crack, Damage, Flow, Fluid, FractureFlow, Geometry, Gravity, Horizon, Initial,
     Material, Mechanics, Output, Reference, Scheme, Solver, Start, TimeControl, Well,
 };
 use super::span::{Named, Spanned};
@@ -37,6 +37,8 @@ pub(super) struct Draft {
     pub materials: Option<Spanned<Named<Material>>>,
     /// A uniform field of gravity; acts if present.
     pub gravity: Option<Spanned<Gravity>>,
+    /// The in-situ state, at rest before the run.
+    pub initial: Option<Spanned<Initial>>,
     /// Single-phase flow; acts if present.
     pub flow: Option<Spanned<Flow>>,
     /// Deformation of the rock; acts if present.
@@ -78,6 +80,7 @@ impl Draft {
         check(&self.fluid, scene, &mut report);
         check(&self.materials, scene, &mut report);
         check(&self.gravity, scene, &mut report);
+        check(&self.initial, scene, &mut report);
         check(&self.flow, scene, &mut report);
         check(&self.mechanics, scene, &mut report);
         check(&self.coupling, scene, &mut report);
@@ -141,6 +144,7 @@ impl Draft {
             fluid: self.fluid,
             materials: self.materials?.value,
             gravity: self.gravity,
+            initial: self.initial,
             flow: self.flow,
             mechanics: self.mechanics,
             coupling: self.coupling,

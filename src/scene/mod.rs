@@ -65,6 +65,8 @@ pub struct Scene {
     pub materials: Named<Material>,
     /// Gravity, if it acts.
     pub gravity: Option<Spanned<Gravity>>,
+    /// The in-situ state, if it is told.
+    pub initial: Option<Spanned<Initial>>,
     /// Flow, if it is computed.
     pub flow: Option<Spanned<Flow>>,
     /// Deformation, if it is computed.

@@ -46,6 +46,11 @@ impl<D> Quantity<D> {
         }
     }
 
+    /// The same quantity, typed at `span`.
+    pub(super) const fn at(self, span: Span) -> Self {
+        Self { span, ..self }
+    }
+
     /// The value in SI.
     pub const fn value(&self) -> f64 {
         self.value
@@ -59,6 +64,35 @@ impl<D> Quantity<D> {
     /// Where it was typed; [`Span::NOWHERE`] for a default.
     pub const fn span(&self) -> Span {
         self.span
+    }
+}
+
+impl<D: Dimension> Quantity<D> {
+    /// A quantity from a number in SI.
+    ///
+    /// # Errors
+    /// What is wrong with the number.
+    pub(super) fn read_number<E: Error>(number: f64) -> Result<Self, E> {
+        QuantityVisitor(PhantomData)
+            .visit_f64(number)
+            .map(Self::from)
+    }
+
+    /// A quantity from a text with a unit.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub(super) fn read_text<E: Error>(text: &str) -> Result<Self, E> {
+        QuantityVisitor(PhantomData).visit_str(text).map(Self::from)
+    }
+}
+
+impl<D> From<Bare<D>> for Quantity<D> {
+    fn from(bare: Bare<D>) -> Self {
+        Self {
+            accepted: bare.accepted,
+            ..Self::si(bare.value)
+        }
     }
 }
 

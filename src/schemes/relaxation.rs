@@ -296,7 +296,8 @@ impl<const D: usize> SolidSolver<D> for Relaxation {
             })
             .sum();
         let drive = solid.drive(state.time).powi(2);
-        let squares = dot(&external, &external) + dot(&released, &released);
+        let in_situ = solid.in_situ_force.powi(2) / force.len().max(1) as f64;
+        let squares = dot(&external, &external) + dot(&released, &released) + in_situ;
         let bar = self.options.adr_tolerance * (squares + walls + drive).sqrt();
         let size = norm2(&force);
         if self.options.solid == SolidMethod::Verlet

@@ -54,7 +54,7 @@ const TRIPLES: u64 = 400;
 const SEED: u64 = 7;
 
 /// What a scene says to ask for a feature, where that depends on no other.
-const WORDS: [(Feature, &str); 16] = [
+const WORDS: [(Feature, &str); 15] = [
     (Feature::HydrostaticStart, "flow.hydrostatic_start=true"),
     (
         Feature::Wells,
@@ -79,10 +79,6 @@ const WORDS: [(Feature, &str); 16] = [
         "mechanics.loads.l={side = \"bottom\", traction = [0, \"1 kPa\"]}",
     ),
     (Feature::BodyForce, "mechanics.body_force=[0, \"1 kN/m^3\"]"),
-    (
-        Feature::InitialStress,
-        "mechanics.initial_stress={xx = \"-10 kPa\"}",
-    ),
     (
         Feature::ConsistentGradient,
         "mechanics.gradient=divergence-consistent",
@@ -109,9 +105,8 @@ fn settings(all: &Features, scheme: SchemeName) -> Vec<String> {
         let start = has(Feature::UndrainedStart);
         set.push(format!("coupling.undrained_start={start}"));
     }
-    // Initial stress alone is no force that others could be measured against where rock breaks.
-    if has(Feature::InitialStress) && !has(Feature::MovingSide) {
-        set.push("mechanics.boundary.top={traction = [0, \"1 kPa\"]}".to_owned());
+    if has(Feature::InitialStress) {
+        set.push(in_situ(all));
     }
     if !has(Feature::Steady) {
         set.extend(["time.end=2e-5", "time.step=1e-5"].map(str::to_owned));
@@ -121,6 +116,19 @@ fn settings(all: &Features, scheme: SchemeName) -> Vec<String> {
     }
     set.extend(cracks(all));
     set
+}
+
+/// A stress in balance with the weight, the body force and the force on the plate.
+fn in_situ(all: &Features) -> String {
+    let share = |feature, value: f64| if all.contains(&feature) { value } else { 0.0 };
+    let xx = -1e4 + share(Feature::Plate, 9e3);
+    let yy = share(Feature::BodyForce, 1e3) - share(Feature::Gravity, 2300.0 * 9.81);
+    match all.contains(&Feature::InitialField) {
+        true => format!(
+            "initial={{kind = \"total\", stress.xx = {xx}, stress_gradient = {{yy = {yy}, zz = -10}}}}"
+        ),
+        false => format!("initial={{stress.xx = {xx}}}"),
+    }
 }
 
 /// A pressure belongs to a crack that nothing is pumped into.

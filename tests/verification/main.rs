@@ -14,6 +14,7 @@ mod estimates;
 mod five_spot;
 mod gravity;
 mod incompressible;
+mod initial;
 mod mechanics;
 mod operators;
 mod output;

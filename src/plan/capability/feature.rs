@@ -31,6 +31,8 @@ pub enum Feature {
     BodyForce,
     /// Stress before the run.
     InitialStress,
+    /// Stress before the run that differs from point to point.
+    InitialField,
     /// The divergence-consistent gradient of the displacement, asked for by name.
     ConsistentGradient,
     /// Flow and deformation feel each other.
@@ -64,7 +66,7 @@ pub type Features = BTreeSet<Feature>;
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Feature; 25] = [
+    pub const ALL: [Feature; 26] = [
         Feature::Flow,
         Feature::HydrostaticStart,
         Feature::HydrostaticSide,
@@ -77,6 +79,7 @@ impl Feature {
         Feature::Loads,
         Feature::BodyForce,
         Feature::InitialStress,
+        Feature::InitialField,
         Feature::ConsistentGradient,
         Feature::Coupling,
         Feature::UndrainedStart,
@@ -106,7 +109,8 @@ impl Feature {
             Feature::MovingSide => "mechanics.boundary.SIDE.displacement",
             Feature::Loads => "[mechanics.loads]",
             Feature::BodyForce => "mechanics.body_force",
-            Feature::InitialStress => "mechanics.initial_stress",
+            Feature::InitialStress => "[initial]",
+            Feature::InitialField => "initial.stress_gradient",
             Feature::ConsistentGradient => "mechanics.gradient = \"divergence-consistent\"",
             Feature::Coupling => "[coupling]",
             Feature::UndrainedStart => "coupling.undrained_start = true",
@@ -134,6 +138,7 @@ impl Feature {
             | Feature::BodyForce
             | Feature::InitialStress
             | Feature::ConsistentGradient => &[Feature::Mechanics],
+            Feature::InitialField => &[Feature::InitialStress],
             Feature::UndrainedStart | Feature::Stabilisation => &[Feature::Coupling],
             Feature::Injection => &[Feature::DamagedCrack],
             Feature::CrackPressure => &[Feature::CutCrack, Feature::DamagedCrack],
@@ -182,6 +187,7 @@ fn of_mechanics(plan: &Plan) -> Vec<Feature> {
     };
     let sides = &mechanics.sides;
     let consistent = mechanics.gradient == GradientChoice::DivergenceConsistent;
+    let varies = (plan.initial.as_ref()).is_some_and(|initial| !initial.is_uniform(plan));
     let asked = [
         (Feature::Mechanics, true),
         (Feature::Dynamic, mechanics.inertia),
@@ -189,7 +195,8 @@ fn of_mechanics(plan: &Plan) -> Vec<Feature> {
         (Feature::MovingSide, sides.iter().any(|side| side.moves())),
         (Feature::Loads, !mechanics.loads.is_empty()),
         (Feature::BodyForce, mechanics.body_force.is_some()),
-        (Feature::InitialStress, mechanics.initial_stress.is_some()),
+        (Feature::InitialStress, plan.initial.is_some()),
+        (Feature::InitialField, varies),
         (Feature::ConsistentGradient, consistent),
     ];
     chosen(&asked)

@@ -199,6 +199,22 @@ pub static RULES: &[Rule] = &[
         "a cut crack and [flow] do not go together",
         "set kind = \"damaged\", with [damage] and [fracture_flow]",
     ),
+    Rule {
+        without: &[InitialField],
+        ..refuse(
+            &[InitialStress, Gravity],
+            "a uniform initial stress does not balance the weight of the rock",
+            "give initial.k0 or initial.stress_gradient, or leave the stress or [gravity] out",
+        )
+    },
+    Rule {
+        without: &[InitialField],
+        ..refuse(
+            &[InitialStress, BodyForce],
+            "a uniform initial stress does not balance `body_force`",
+            "give initial.stress_gradient, or leave the stress or `body_force` out",
+        )
+    },
     refuse(
         &[ConsistentGradient, Damage],
         "the divergence-consistent gradient does not go together with [damage]",

@@ -6,7 +6,9 @@ use crate::plan::types::{
 use crate::scene::quantity::values;
 use crate::scene::{self, Condition};
 
-pub(super) fn flow_plan(flow: &scene::Flow) -> FlowPlan {
+pub(super) fn flow_plan(flow: &scene::Flow, scene: &scene::Scene) -> FlowPlan {
+    let initial = scene.initial.as_deref();
+    let pressure = initial.and_then(|own| own.pressure);
     let mut sides = vec![SideCondition::Sealed; 6];
     for (side, condition) in flow.boundary.iter() {
         sides[side.resolved().index()] = match &condition.value {
@@ -26,8 +28,10 @@ pub(super) fn flow_plan(flow: &scene::Flow) -> FlowPlan {
         },
         hourglass: flow.hourglass.value(),
         gradient: gradient(flow.gradient.value),
-        initial_pressure: flow.initial_pressure.value(),
-        hydrostatic_start: flow.hydrostatic_start.value,
+        initial_pressure: pressure.map_or(flow.initial_pressure.value(), |own| own.value()),
+        hydrostatic_start: pressure
+            .map_or(flow.hydrostatic_start.value, |own| own.is_hydrostatic()),
+        datum: pressure.and(initial.and_then(|own| own.datum.map(|datum| datum.value()))),
         suction: flow.suction,
         sides,
         regions: flow

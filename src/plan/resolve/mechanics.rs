@@ -32,10 +32,6 @@ impl Resolver<'_> {
             hourglass: mechanics.hourglass.value(),
             gradient: solid_gradient(mechanics, &self.loaded.scene),
             body_force: mechanics.body_force.as_ref().map(|force| values(force)),
-            initial_stress: mechanics
-                .initial_stress
-                .as_ref()
-                .map(|stress| stress.resolved()),
             sides,
             loads: mechanics.loads.iter().map(traction).collect(),
         })

@@ -5,6 +5,7 @@ mod control;
 mod flow;
 mod fracture;
 mod geometry;
+mod initial;
 mod materials;
 mod mechanics;
 mod places;
@@ -139,7 +140,8 @@ impl Resolver<'_> {
             influence: geometry::influence(scene.horizon.influence),
             materials: materials.into_iter().collect::<Option<_>>()?,
             fluid: materials::fluid(scene),
-            flow: scene.flow.as_deref().map(flow::flow_plan),
+            flow: scene.flow.as_deref().map(|own| flow::flow_plan(own, scene)),
+            initial: initial::initial(scene),
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
             damage,

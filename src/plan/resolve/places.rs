@@ -46,6 +46,15 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         Feature::Steady => vec![scene.time.mode.span],
         Feature::TrBdf2 => vec![scene.time.integrator.span],
         Feature::Processes => Vec::new(),
+        Feature::InitialStress | Feature::InitialField => match &scene.initial {
+            Some(initial) => vec![initial.span],
+            None => part(&scene.mechanics, |own| {
+                own.initial_stress
+                    .iter()
+                    .map(|stress| stress.span)
+                    .collect()
+            }),
+        },
         Feature::Flow | Feature::HydrostaticStart | Feature::HydrostaticSide => {
             part(&scene.flow, |flow| of_flow(flow, feature))
         }
@@ -63,7 +72,6 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         | Feature::MovingSide
         | Feature::Loads
         | Feature::BodyForce
-        | Feature::InitialStress
         | Feature::ConsistentGradient => part(&scene.mechanics, |own| of_mechanics(own, feature)),
     }
 }

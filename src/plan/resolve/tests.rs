@@ -55,7 +55,7 @@ fn mechanics_alone_has_its_defaults_and_no_other_effect() {
         (mechanics.hourglass, mechanics.gradient),
         (1.0, GradientChoice::Auto)
     );
-    assert!(mechanics.body_force.is_none() && mechanics.initial_stress.is_none());
+    assert!(mechanics.body_force.is_none());
     let clamped = Support::Prescribed(vec![Load::constant(0.0); 2]);
     let free = Support::Free;
     let sides = [&free, &free, &clamped, &free, &free, &free];
@@ -87,7 +87,6 @@ fn supports_and_loads_arrive_in_si_with_their_tables() {
         "scheme.name=explicit",
         "materials.rock.density=2300",
         "mechanics.body_force=[\"1 kN/m^3\", 0]",
-        "mechanics.initial_stress={xx = \"-1 MPa\", zz = \"-2 MPa\", xy = 5}",
         "mechanics.boundary.left={roller = true}",
         "mechanics.boundary.right={normal_displacement = {time = [0, 2], value = [0, \"1 mm\"]}}",
         "mechanics.boundary.bottom={traction = [0, {time = [0, \"1 min\"], value = [0, \"1 kPa\"]}]}",
@@ -98,10 +97,6 @@ fn supports_and_loads_arrive_in_si_with_their_tables() {
     .unwrap();
     assert!(mechanics.inertia);
     assert_eq!(mechanics.body_force.unwrap(), [1e3, 0.0]);
-    assert_eq!(
-        mechanics.initial_stress.unwrap(),
-        [-1e6, 0.0, -2e6, 5.0, 0.0, 0.0]
-    );
     let [left, right, bottom, top, ..] = &mechanics.sides[..] else {
         panic!("six sides")
     };

@@ -14,8 +14,6 @@ pub struct MechanicsPlan {
     pub gradient: GradientChoice,
     /// Force per volume in addition to gravity, N/m³, one component per axis.
     pub body_force: Option<Vec<f64>>,
-    /// Effective stress before the run, Pa, tension positive: xx, yy, zz, xy, yz, xz.
-    pub initial_stress: Option<[f64; 6]>,
     /// What holds on the sides: six entries, in the order of [`Side::index`].
     pub sides: Vec<Support>,
     /// Loads on parts of sides, in the scene's order.

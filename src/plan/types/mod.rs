@@ -2,6 +2,7 @@
 
 mod crack;
 mod damage;
+mod initial;
 mod material;
 mod mechanics;
 mod scheme;
@@ -16,6 +17,7 @@ pub use damage::{
     ApertureRule, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FractureFlowPlan,
     HourglassRule, Normalise, TransmissivityRule,
 };
+pub use initial::InitialPlan;
 pub use material::{MaterialPlan, PermeabilityPlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
@@ -50,6 +52,8 @@ pub struct Plan {
     pub fluid: FluidPlan,
     /// Flow, if the scene names it.
     pub flow: Option<FlowPlan>,
+    /// Stress of the in-situ state, in which the rock is at rest before the run; none without deformation.
+    pub initial: Option<InitialPlan>,
     /// Deformation, if the scene names it.
     pub mechanics: Option<MechanicsPlan>,
     /// How flow and deformation feel each other, if there are both.
@@ -179,6 +183,9 @@ pub struct FlowPlan {
     pub initial_pressure: f64,
     /// Whether the weight of the fluid is added to the initial pressure.
     pub hydrostatic_start: bool,
+    /// Height at which the initial pressure is given, m, counted against gravity from the origin; that of the
+    /// highest corner of the domain if absent.
+    pub datum: Option<f64>,
     /// Whether pressures below zero are meant.
     pub suction: bool,
     /// Condition per side, in the order of the sides' numbers.

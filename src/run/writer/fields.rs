@@ -8,7 +8,6 @@ use crate::material::DamageModel;
 use crate::model::{FlowModel, Model, SolidModel};
 use crate::operators::{Damage, Lame};
 use crate::output::{Field, OutputError, VtuData, write_pvtu, write_vtu};
-use crate::plan::Plan;
 use crate::schemes::State;
 
 /// Rows and columns of the components of a stress: xx, yy, zz, xy, yz, xz.
@@ -39,11 +38,10 @@ impl Array<'_> {
 /// Those of [`write_vtu`].
 pub fn write<const D: usize>(
     path: &Path,
-    plan: &Plan,
     model: &Model<D>,
     state: &State,
 ) -> Result<(), OutputError> {
-    let mut arrays = arrays(plan, model, state);
+    let mut arrays = arrays(model, state);
     let mut positions = model.cloud.flat_positions();
     if let Some(partition) = model.subdomain().partition() {
         positions = of_points(&positions, D, partition.own());
@@ -67,12 +65,11 @@ pub fn write<const D: usize>(
 /// Those of [`write_pvtu`].
 pub fn write_index<const D: usize>(
     path: &Path,
-    plan: &Plan,
     model: &Model<D>,
     state: &State,
     pieces: &[String],
 ) -> Result<(), OutputError> {
-    let arrays = arrays(plan, model, state);
+    let arrays = arrays(model, state);
     let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
     write_pvtu(path, &fields, pieces)
 }
@@ -84,11 +81,7 @@ fn of_points(values: &[f64], per_point: usize, points: &[u32]) -> Vec<f64> {
 }
 
 /// All fields that the scene names.
-fn arrays<'a, const D: usize>(
-    plan: &Plan,
-    model: &'a Model<D>,
-    state: &'a State,
-) -> Vec<Array<'a>> {
+fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Array<'a>> {
     let mut arrays = Vec::new();
     if let Some(flow) = &model.flow {
         arrays.extend(of_flow(model, flow, state));
@@ -97,10 +90,8 @@ fn arrays<'a, const D: usize>(
         arrays.push(array("aperture", "m", 1, &fractures.aperture[..]));
     }
     if let Some(solid) = &model.solid {
-        let mechanics = plan.mechanics.as_ref();
-        let initial = mechanics.and_then(|mechanics| mechanics.initial_stress);
         let fluid = model.fluid_traction(&state.pressure);
-        arrays.extend(of_solid(solid, state, &initial.unwrap_or_default(), &fluid));
+        arrays.extend(of_solid(solid, state, &fluid));
     }
     let material: Vec<f64> = model.material.iter().map(|&m| f64::from(m)).collect();
     arrays.push(array("volume", "m^D", 1, &model.cloud.volume[..]));
@@ -145,18 +136,21 @@ fn of_flow<'a, const D: usize>(
 fn of_solid<'a, const D: usize>(
     solid: &SolidModel<D>,
     state: &'a State,
-    initial: &[f64; 6],
     fluid: &[f64],
 ) -> Vec<Array<'a>> {
+    let initial = |point: usize| (solid.initial_components.get(point)).map_or([0.0; 6], |own| *own);
     let slopes = solid.slopes(&state.displacement, &state.walls);
     let stress: Vec<f64> = match &solid.damage {
         None => slopes
             .iter()
             .zip(&solid.elastic.lame)
-            .flat_map(|(slope, lame)| stress(*lame, slope, initial))
+            .enumerate()
+            .flat_map(|(point, (slope, lame))| stress(*lame, slope, &initial(point)))
             .collect(),
         Some(damage) => (slopes.iter().enumerate())
-            .flat_map(|(point, slope)| damaged_stress(solid, damage, state, point, slope, (initial, fluid)))
+            .flat_map(|(point, slope)| {
+                damaged_stress(solid, damage, state, point, slope, (&initial(point), fluid))
+            })
             .collect(),
     };
     let volumetric: Vec<f64> = slopes.iter().map(Matrix::trace).collect();
@@ -269,6 +263,7 @@ mod tests {
             let plan = super::super::tests::plan(&[
                 "materials.rock.fracture_energy=1e6",
                 "mechanics.initial_stress={zz=\"-2 MPa\"}",
+                "mechanics.boundary.top={free=true}",
                 &damage,
             ]);
             let model = Model::<2>::build(&plan, &mut Timers::default()).unwrap();

@@ -189,7 +189,7 @@ impl Writer {
         self.hold.list()?;
         let rank = model.subdomain().partition().map(|own| own.team().rank());
         let path = self.folder.join(piece_name(number, rank));
-        fields::write(&path, plan, model, state)
+        fields::write(&path, model, state)
     }
 
     /// Completes an output of which all pieces are there: indices, pictures and profiles.
@@ -214,7 +214,7 @@ impl Writer {
                     let pieces: Vec<String> =
                         ranks.map(|rank| piece_name(number, Some(rank))).collect();
                     let path = self.folder.join(format!("fields-{number:04}.pvtu"));
-                    fields::write_index(&path, plan, model, state, &pieces)?;
+                    fields::write_index(&path, model, state, &pieces)?;
                     path
                 }
             };

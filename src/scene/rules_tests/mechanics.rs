@@ -33,7 +33,6 @@ mode = "quasi-static"
 hourglass = 0.5
 gradient = "plain"
 body_force = ["1 kN/m^3", 0]
-initial_stress = { xx = "-1 MPa", zz = "-2 MPa" }
 
 [mechanics.boundary]
 left.roller = true
@@ -170,13 +169,6 @@ fn mechanics_rules() {
             "\"1 kN/m^2\"",
         ),
         (
-            "zz = \"-2 MPa\"",
-            "yz = 5",
-            "a plane domain has no component `yz`",
-            "5",
-        ),
-        ("zz = \"-2 MPa\"", "zx = 5", "unknown key `zx`", "zx"),
-        (
             "right.free",
             "front.free",
             "a plane domain has no side `front`",
@@ -305,7 +297,7 @@ fn a_solid_body_has_three_axes_and_whole_forces() {
         "geometry.points=[4, 8, 4]",
         "gravity.acceleration=[0, -9.81, 0]",
         "mechanics.body_force=[0, 0, 0]",
-        "mechanics.initial_stress.yz=1 bar",
+        "initial={stress = {yz = \"1 bar\"}}",
         "mechanics.boundary.bottom={roller = true}",
         "mechanics.boundary.top={free = true}",
         "mechanics.boundary.front={roller = true}",

@@ -5,6 +5,7 @@ pub(crate) mod cracks;
 pub(crate) mod damage;
 mod effects;
 mod geometry;
+mod initial;
 mod materials;
 pub(crate) mod mechanics;
 mod run;

@@ -26,7 +26,7 @@ pub struct Mechanics {
     pub gradient: Spanned<Gradient>,
     /// Force per volume on all points, N/m³, in addition to gravity.
     pub body_force: Option<Spanned<Vec<ForceDensity>>>,
-    /// Effective stress before the run.
+    /// Effective stress before the run, uniform: short for `initial.stress`.
     pub initial_stress: Option<Spanned<InitialStress>>,
     /// What holds on the sides; a side that is not named is free.
     pub boundary: Boundary<Support>,
@@ -187,7 +187,9 @@ impl Section for Mechanics {
         if let Some(force) = &self.body_force {
             report.vector("body_force", force, scene.dimension());
         }
-        self.check_stress(scene, report);
+        if let Some(stress) = &self.initial_stress {
+            stress.check_plane(scene, report);
+        }
         for (side, support) in self.boundary.iter() {
             check_side(side, support.span, scene, report);
             check_support(support, scene, report);
@@ -200,19 +202,22 @@ impl Section for Mechanics {
     }
 }
 
-impl Mechanics {
-    fn check_stress(&self, scene: &Context<'_>, report: &mut Report) {
-        let (Some(stress), Some(2)) = (&self.initial_stress, scene.dimension()) else {
+impl InitialStress {
+    /// A plane domain has no shear out of its plane.
+    pub(super) fn check_plane(&self, scene: &Context<'_>, report: &mut Report) {
+        if scene.dimension() != Some(2) {
             return;
-        };
-        for (name, component) in [("yz", stress.yz), ("xz", stress.xz)] {
+        }
+        for (name, component) in [("yz", self.yz), ("xz", self.xz)] {
             let Some(component) = component else { continue };
             let message = format!("a plane domain has no component `{name}`");
             let fault = Diagnostic::new(message).at(component.span());
             report.add(fault.help("its components are `xx`, `yy`, `zz` and `xy`"));
         }
     }
+}
 
+impl Mechanics {
     fn check_load(&self, entry: &Entry<TractionLoad>, scene: &Context<'_>, report: &mut Report) {
         let load = &entry.value;
         check_side(load.side.value, load.side.span, scene, report);

@@ -10,6 +10,7 @@ mod fracture_flow;
 mod geometry;
 mod gravity;
 mod horizon;
+mod initial;
 mod materials;
 mod mechanics;
 mod output;
@@ -39,6 +40,7 @@ pub use geometry::{
 };
 pub use gravity::Gravity;
 pub use horizon::{Horizon, HorizonSize, Influence};
+pub use initial::{Initial, InitialPressure, StressGradient, StressKind, StressRegion};
 pub use materials::{
     Distribution, Material, PermeabilityDistribution, PermeabilityField, PermeabilityFile, Storage,
 };

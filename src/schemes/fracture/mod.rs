@@ -114,7 +114,8 @@ impl<const D: usize> Fracture<D> {
         let held: f64 = solid.wall_forces(response).iter().map(|f| f.abs()).sum();
         let external: f64 = external.iter().map(|f| f.abs()).sum();
         let released = solid.crack_force(response);
-        let now = held + external + released.iter().map(|f| f.abs()).sum::<f64>();
+        let released: f64 = released.iter().map(|f| f.abs()).sum();
+        let now = held + external + released + solid.in_situ_force;
         self.largest = self.largest.max(now);
         now.max(REMEMBERED * self.largest)
     }

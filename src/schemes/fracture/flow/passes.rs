@@ -441,8 +441,11 @@ fn force_residual<const D: usize>(
     response: Response<D>,
 ) -> Result<Trial<D>, StepError> {
     let mut force = model.external_force(state.time, &state.pressure);
-    let scale = force.iter().map(|f| f.abs()).sum::<f64>() + model.crack_push(&response);
-    solid_of(model)?.subtract_internal_force(&response, &mut force);
+    let solid = solid_of(model)?;
+    let scale = force.iter().map(|f| f.abs()).sum::<f64>()
+        + model.crack_push(&response)
+        + solid.in_situ_force;
+    solid.subtract_internal_force(&response, &mut force);
     Ok(Trial {
         fluid: model.fluid_traction(&state.pressure),
         response,
