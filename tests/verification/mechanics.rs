@@ -1,7 +1,7 @@
 //! The mechanical operator: oracle, symmetry, momentum, uniform stresses, waves.
 
 use perifrac::geometry::{Matrix, Vector};
-use perifrac::model::{Model, SolidModel};
+use perifrac::model::{Fields, Model, SolidModel};
 use perifrac::plan::Plan;
 
 use crate::support::{model, plan_of, run_text, try_run};
@@ -145,7 +145,11 @@ fn unbalanced(geometry: &str, gradient: &str, stress: [f64; 3]) -> f64 {
         .iter()
         .flat_map(|x| (strain * x).data.0[0])
         .collect();
-    let (force, _) = model.unbalanced(0.0, &[], &displacement, &[], &[]);
+    let at = Fields {
+        displacement: &displacement,
+        ..Fields::default()
+    };
+    let (force, _) = model.unbalanced(0.0, &at);
     largest(&force) / 0.1
 }
 

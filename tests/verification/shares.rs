@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use perifrac::model::Model;
+use perifrac::model::{Fields, Model};
 use perifrac::report::Timers;
 use perifrac::schemes::BlockMatrix;
 use perifrac_solvers::{Communicator, CsrMatrix, CsrView, thread_team};
@@ -36,11 +36,15 @@ fn answers<const D: usize>(model: &Model<D>) -> Vec<(&'static str, Vec<f64>)> {
     if let Some(solid) = &model.solid {
         let displacement = rough(points * D);
         let walls = rough(solid.walls.len());
+        let at = Fields {
+            pressure: &pressure,
+            displacement: &displacement,
+            walls: &walls,
+            ..Fields::default()
+        };
         all.push((
             "forces",
-            model
-                .unbalanced(0.3, &pressure, &displacement, &walls, &[])
-                .0,
+            model.unbalanced(0.3, &at).0,
         ));
         all.push(("content", model.content(&displacement, &walls)));
         all.push((

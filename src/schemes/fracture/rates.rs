@@ -16,7 +16,8 @@ impl Rates {
         dt: f64,
     ) -> Result<Option<f64>, StepError> {
         let (mut now, last) = (Rates::default(), &old.memory.rates);
-        now.take(old, new, dt);
+        let felt = felt(model, old, new);
+        now.take((old, &felt), new, dt);
         let start = &flow_of(model)?.initial;
         let pairs = new.pressure.iter().zip(start);
         let change: Vec<f64> = pairs.map(|(new, start)| new - start).collect();
@@ -25,15 +26,15 @@ impl Rates {
         Ok(error)
     }
 
-    /// Takes those that led from `old` to `new`.
-    fn take(&mut self, old: &State, new: &State, dt: f64) {
+    /// Takes those that led from `old`, with the pressures that its points felt (Pa), to `new`.
+    fn take(&mut self, (old, felt): (&State, &[f64]), new: &State, dt: f64) {
         let set = |rates: &mut Vec<f64>, new: &[f64], old: &[f64]| {
             rates.clear();
             rates.extend(new.iter().zip(old).map(|(new, old)| (new - old) / dt));
         };
         self.dt = dt;
         set(&mut self.displacement, &new.displacement, &old.displacement);
-        set(&mut self.pressure, &new.pressure, &old.pressure);
+        set(&mut self.pressure, &new.pressure, felt);
     }
 
     /// Error of a backward Euler step with the rates `now`, Pa: half of Δt² p̈, whose p̈ is what the rates have
@@ -58,6 +59,25 @@ impl Rates {
     }
 }
 
+/// Pressure at the points of a state, Pa: where the crack has since taken them in, that which it had there. Its step
+/// from the pores to the crack is no error of the time.
+fn felt<const D: usize>(model: &Model<D>, old: &State, new: &State) -> Vec<f64> {
+    let mut felt = old.pressure.clone();
+    let (then, now) = (&old.coefficients, model.wet_points());
+    let Some(then) = then.as_ref().filter(|then| !then.donor.is_empty()) else {
+        return felt;
+    };
+    for (i, (before, after)) in then.donor.iter().zip(&now).enumerate() {
+        if *after as usize == i && before != after {
+            felt[i] = match old.pressure.get(*before as usize) {
+                Some(pressure) => *pressure,
+                None => new.pressure[i],
+            };
+        }
+    }
+    felt
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,9 +95,10 @@ mod tests {
     fn the_error_is_half_the_square_of_the_step_times_the_curvature() {
         let [mut last, mut now] = [Rates::default(), Rates::default()];
         let volume = [1.0, 3.0];
-        last.take(&state(1.0), &state(1.5), 0.5);
+        let pressure = |time| state(time).pressure;
+        last.take((&state(1.0), &pressure(1.0)), &state(1.5), 0.5);
         assert_eq!(Rates::default().error(&last, &volume, &[1.0; 2]), None);
-        now.take(&state(1.5), &state(1.75), 0.25);
+        now.take((&state(1.5), &pressure(1.5)), &state(1.75), 0.25);
         // Backward differences of a parabola: p̈ Δt²/2 = 6/2 · 0.25², at a quarter of the volume.
         let error = 3.0 * 0.25 * 0.25;
         for (change, expected) in [
