@@ -20,8 +20,9 @@ const BALANCED_MASS: f64 = 1e-7;
 const ROUNDING: f64 = 1e-14;
 /// Share of what a pass with the exact tangent found out of balance that it may leave.
 const LEFT: f64 = 0.9;
-/// Passes after which wet points stay as they are: their map must not go round in circles.
-const SETTLES: usize = 24;
+/// Passes after which wet points stay as they are for as many: their map must not go round in circles. What is left
+/// is taken in by the next step. Passes of `natural-fractures/smoke` to 0.05 s: see docs/theory.md.
+const SETTLES: usize = 3;
 
 /// Where a pass stands.
 pub(super) struct Place<const D: usize> {
