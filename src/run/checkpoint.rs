@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::fracture::Results;
 use super::rejections::Rejections;
 use super::scale::Scale;
+use super::summary::Name;
 use super::writer::WriterRecord;
 use super::{FieldError, Settings};
 use crate::geometry::Cloud;
@@ -51,7 +52,7 @@ pub(super) struct Course {
     pub steps: u64,
     pub rejections: Rejections,
     pub last_output: Option<f64>,
-    pub errors: Vec<(f64, Vec<(String, FieldError)>)>,
+    pub errors: Vec<(f64, BTreeMap<Name, FieldError>)>,
     /// As JSON: what is absent there has no place in postcard.
     pub results: String,
     pub broken_at: Vec<f64>,
@@ -166,6 +167,20 @@ impl Checkpoint {
                 "resolved.toml beside it is another scene; put the file back, or start the run anew"
                     .to_owned(),
             )),
+        }
+    }
+
+    /// Refuses a checkpoint of a plane in space, and the other way round.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Misfit`].
+    pub(super) fn check_dimension(&self, dimension: usize) -> Result<(), CheckpointError> {
+        match self.header.dimension == dimension {
+            true => Ok(()),
+            false => Err(self.misfit(format!(
+                "its points have {} coordinates, and now they have {dimension}",
+                self.header.dimension
+            ))),
         }
     }
 

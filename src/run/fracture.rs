@@ -6,6 +6,7 @@ use crate::effects::vector;
 use crate::geometry::{Side, Vector};
 use crate::model::{Model, driven_walls};
 use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
+use crate::report::lenient;
 use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
@@ -138,8 +139,10 @@ pub struct Results {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness: Option<f64>,
     /// Energy that damage took, J.
+    #[serde(deserialize_with = "lenient")]
     pub dissipated_energy: f64,
     /// Length of all cracks, m (area in 3-D, m²).
+    #[serde(deserialize_with = "lenient")]
     pub crack_length: f64,
     /// Pressure when rock began to break, Pa: that of the crack nearest to where it broke, among the
     /// pumped ones, or without any among those of prescribed pressure.

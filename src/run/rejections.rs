@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::summary::Name;
 use crate::schemes::Rejection;
 
 /// Rejected steps by reason.
@@ -27,8 +28,8 @@ impl Rejections {
     }
 
     /// Rejections by the name of their reason.
-    pub fn named(&self) -> BTreeMap<&'static str, u64> {
-        let named = Rejection::ALL.map(|reason| (reason.name(), self.of(reason)));
+    pub fn named(&self) -> BTreeMap<Name, u64> {
+        let named = Rejection::ALL.map(|reason| (reason.name().into(), self.of(reason)));
         named.into_iter().collect()
     }
 }

@@ -10,11 +10,13 @@ use perifrac_solvers::{dot, multiply, norm2};
 use serde::{Deserialize, Serialize};
 
 use crate::model::FlowModel;
+use crate::report::lenient;
 
 /// A stability limit and where it comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepLimit {
     /// Largest stable step, s.
+    #[serde(deserialize_with = "lenient")]
     pub dt: f64,
     /// What limits it.
     pub reason: Cow<'static, str>,

@@ -237,7 +237,7 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
         )
     });
     section.text.extend(verified.clone());
-    let end = reference.number("/t_end");
+    let end = reference.figure(|run| run.t_end);
     let mut methods: BTreeMap<String, Vec<&Measured>> = BTreeMap::new();
     for run in of_role(runs, TIME) {
         methods

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use perifrac_solvers::SolverCounters;
+
 use super::{Row, Status, Variant, median};
+use crate::run::{FieldError, Summary};
 
 /// A variant with its runs.
 #[derive(Debug, Clone)]
@@ -56,13 +59,34 @@ impl Measured {
         self.typical(|row| row.wall_s)
     }
 
-    /// A number of the summary by its path, such as `/counters/solver/iterations`.
-    pub fn number(&self, path: &str) -> f64 {
-        let summary = self.first().summary.as_ref().filter(|_| self.done());
-        let value = summary.and_then(|summary| summary.pointer(path));
-        value
-            .and_then(serde_json::Value::as_f64)
-            .unwrap_or(f64::NAN)
+    /// What the first run printed at its end; nothing where it did not reach it.
+    pub fn summary(&self) -> Option<&Summary> {
+        self.first().summary.as_ref().filter(|_| self.done())
+    }
+
+    /// A figure of the summary; NaN without one.
+    pub fn figure(&self, figure: impl Fn(&Summary) -> f64) -> f64 {
+        self.summary().map_or(f64::NAN, figure)
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> f64 {
+        self.figure(|run| run.points as f64)
+    }
+
+    /// Accepted steps.
+    pub fn steps(&self) -> f64 {
+        self.figure(|run| run.steps as f64)
+    }
+
+    /// A count of what the linear solver of flow, or of flow and mechanics, did.
+    pub fn solver(&self, count: impl Fn(&SolverCounters) -> u64) -> f64 {
+        self.figure(|run| count(&run.counters.solver) as f64)
+    }
+
+    /// A figure of the error of a field at the end; NaN without an exact solution.
+    pub fn error_of(&self, field: &str, figure: impl Fn(&FieldError) -> f64) -> f64 {
+        self.figure(|run| run.errors.get(field).map_or(f64::NAN, &figure))
     }
 
     /// Errors per field: root mean square over the range, the largest of all outputs after the start.
@@ -71,19 +95,11 @@ impl Measured {
             return compared.errors.clone();
         }
         let mut errors: BTreeMap<String, f64> = BTreeMap::new();
-        let summary = self.first().summary.as_ref().filter(|_| self.done());
-        let outputs = summary.and_then(|summary| summary["errors_over_time"].as_array());
-        for output in outputs
-            .into_iter()
-            .flatten()
-            .filter_map(|output| output.as_object())
-        {
-            for (field, error) in output {
-                if let Some(error) = error["l2"].as_f64() {
-                    let largest = errors.entry(field.clone()).or_insert(0.0);
-                    *largest = largest.max(error);
-                }
-            }
+        let outputs = self.summary().map_or(&[][..], |run| &run.errors_over_time);
+        let all = outputs.iter().flat_map(|output| &output.errors);
+        for (field, error) in all.filter(|(_, error)| !error.l2.is_nan()) {
+            let largest = errors.entry(field.to_string()).or_insert(0.0);
+            *largest = largest.max(error.l2);
         }
         errors
     }

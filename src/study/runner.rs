@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
 use wait4::{ResUse, Wait4};
 
 use super::StudyError;
-use crate::run::Interrupt;
+use crate::run::{Interrupt, Summary};
 
 /// What a child process did.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct RunOutcome {
     /// Exit code; `None` if a signal ended it.
     pub code: Option<i32>,
@@ -23,7 +22,7 @@ pub struct RunOutcome {
     /// Largest resident memory, bytes.
     pub memory_bytes: u64,
     /// The summary that it printed, if it got there.
-    pub summary: Option<Value>,
+    pub summary: Option<Summary>,
     /// Why it failed: the last error on its standard error.
     pub reason: Option<String>,
     /// Whether it was ended because it took too long.

@@ -44,7 +44,7 @@ impl Assessment {
         };
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let run = OverResolved::among(runs).map(|exact| Exact {
-            points: exact.run.number("/points"),
+            points: exact.run.points(),
             spacing: finite(exact.run.variant.value("spacing")),
             tolerance: finite(exact.run.variant.value("tolerance")),
             step: finite(exact.run.variant.value(breaking::STEP)),

@@ -82,10 +82,10 @@ impl Class {
 /// Largest error of the fields at the end over their ranges; NaN without an exact solution. The range
 /// of a pressure that has drained is not below a share of the pressure at the start.
 fn error(run: &Measured, start: f64) -> f64 {
-    let pressure = run.number("/errors/pressure/l2");
-    let range = run.number("/errors/pressure/range");
+    let pressure = run.error_of("pressure", |error| error.l2);
+    let range = run.error_of("pressure", |error| error.range);
     let floor = range / range.max(FADED * start);
-    let displacement = run.number("/errors/displacement/l2");
+    let displacement = run.error_of("displacement", |error| error.l2);
     (pressure * floor).max(displacement)
 }
 
