@@ -1,5 +1,6 @@
 //! What several verbs share: naming a scene, overriding it, finding the place of a late error.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::cases;
@@ -7,6 +8,7 @@ use crate::effects::EffectError;
 use crate::explain::{Explanation, explain};
 use crate::geometry::GeometryError;
 use crate::model::ModelError;
+use crate::output::CheckpointError;
 use crate::plan::{FileError, Plan, resolve_for};
 use crate::run::{Examined, RunError, examine_for};
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
@@ -38,6 +40,8 @@ pub struct Planned {
     pub loaded: LoadedScene,
     /// The plan.
     pub plan: Plan,
+    /// Whether it is a stage that starts with the state in which the one before it ends.
+    pub follows: bool,
 }
 
 /// What a scene asks for: one run, or several that follow each other.
@@ -80,19 +84,16 @@ impl SceneArgs {
     /// [`Failure::Scene`] or [`Failure::Usage`].
     pub fn ask(&self) -> Result<Asked, Failure> {
         let overrides = self.all_overrides();
-        let processes = Processes::started().size;
         self.with_texts(|(layers, case, base)| {
-            let planned = |loaded: LoadedScene| {
-                let plan = resolve_for(&loaded, case, processes)?;
-                Ok(Planned { loaded, plan })
-            };
+            let planned = |loaded, follows| Planned::resolve(loaded, case, follows);
             let Some(stages) = scene::load_stages(layers, base, &overrides)? else {
                 let loaded = scene::load_layers(layers, base, &overrides)?;
-                return planned(loaded).map(|one| Asked::One(Box::new(one)));
+                return planned(loaded, false).map(|one| Asked::One(Box::new(one)));
             };
             let stages = stages
                 .into_iter()
-                .map(|stage| Ok((stage.name, planned(stage.loaded)?)));
+                .enumerate()
+                .map(|(number, stage)| Ok((stage.name, planned(stage.loaded, number > 0)?)));
             stages
                 .collect::<Result<_, SceneErrors>>()
                 .map(Asked::Stages)
@@ -194,6 +195,19 @@ fn case_name(path: &Path, is_variant: bool) -> String {
 }
 
 impl Planned {
+    /// Resolves a scene for the processes that were started.
+    ///
+    /// # Errors
+    /// [`SceneErrors`].
+    pub fn resolve(loaded: LoadedScene, case: &str, follows: bool) -> Result<Self, SceneErrors> {
+        let plan = resolve_for(&loaded, case, Processes::started().size)?;
+        Ok(Planned {
+            loaded,
+            plan,
+            follows,
+        })
+    }
+
     /// What the plan will do and cost.
     ///
     /// # Errors
@@ -215,18 +229,40 @@ impl Planned {
     /// [`Failure`] for what a run would refuse at its start.
     pub fn examine(&self) -> Result<Examined, Failure> {
         let processes = Processes::started().size;
-        let examined = match self.plan.dimension {
-            2 => examine_for::<2>(&self.plan, processes),
-            _ => examine_for::<3>(&self.plan, processes),
+        let plan = self.startable();
+        let examined = match plan.dimension {
+            2 => examine_for::<2>(&plan, processes),
+            _ => examine_for::<3>(&plan, processes),
         };
         examined.map_err(|error| self.failure(error))
     }
 
+    /// The plan without a start that only the stage before will have made.
+    fn startable(&self) -> Cow<'_, Plan> {
+        match self.follows {
+            true => Cow::Owned(Plan {
+                start: None,
+                ..self.plan.clone()
+            }),
+            false => Cow::Borrowed(&self.plan),
+        }
+    }
+
     /// An error of a run, underlined in the scene where it has a place there.
     pub fn failure(&self, error: RunError) -> Failure {
-        match error {
-            RunError::Model(error) => self.locate(&error),
-            other => other.into(),
+        match (error, &self.loaded.scene.start) {
+            (RunError::Model(error), _) => self.locate(&error),
+            (RunError::Start(error), Some(start)) if !self.follows => {
+                let fault = Diagnostic::new(error.to_string()).at(start.from.span);
+                let fault = match error {
+                    CheckpointError::Output(_) => fault.help(
+                        "name the folder of a run with checkpoints, or one of them, relative to the scene file",
+                    ),
+                    _ => fault,
+                };
+                self.loaded.errors(vec![fault]).into()
+            }
+            (other, _) => other.into(),
         }
     }
 

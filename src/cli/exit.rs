@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use perifrac_solvers::SolveError;
 
 use super::interrupt;
+use super::stages::way_on;
 use crate::model::ModelError;
 use crate::output::{CheckpointError, OutputError, checkpoint};
 use crate::run::RunError;
@@ -60,12 +61,15 @@ impl Failure {
     /// Says how to go on in a folder after what is no fault of the scene, if there is a checkpoint.
     #[must_use]
     pub fn with_way_on(self, folder: &Path) -> Self {
+        let whole = way_on(folder);
+        // A stage that kept nothing begins anew.
+        let goes_on = || whole != folder || !checkpoint::list(folder).is_empty();
         match self {
             Failure::Run(error)
                 if matches!(*error, RunError::Interrupted { .. } | RunError::Output(_))
-                    && !checkpoint::list(folder).is_empty() =>
+                    && goes_on() =>
             {
-                Failure::Stopped(error, folder.to_owned())
+                Failure::Stopped(error, whole.to_owned())
             }
             other => other,
         }
@@ -110,7 +114,7 @@ fn run_code(error: &RunError) -> u8 {
             _ => 4,
         },
         RunError::Interrupted { .. } => interrupt::code(),
-        RunError::Checkpoint(error) => checkpoint_code(error),
+        RunError::Checkpoint(error) | RunError::Start(error) => checkpoint_code(error),
         _ => 1,
     }
 }

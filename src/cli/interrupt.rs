@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
 use super::exit::say;
+use super::stages::way_on;
 use crate::run::Snapshot;
 
 /// Time that a run has to notice the first signal. It looks between steps, passes and iterations, so only
@@ -71,7 +72,7 @@ fn watch(seen: &Interrupt, snapshot: &Snapshot) {
 fn end(snapshot: &Snapshot) {
     match snapshot.save() {
         Ok(Some((time, path))) => {
-            let folder = path.parent().unwrap_or(&path).display();
+            let folder = way_on(path.parent().unwrap_or(&path)).display();
             say(&format!(
                 "error: interrupted; the state at t = {time:.6e} s is kept: go on with `perifrac resume \
                  {folder}`"

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use crate::output::OutputError;
-use crate::plan::resolve_for;
 use crate::run::{Checkpoint, Summary};
 use crate::scene::load_str;
 
@@ -29,6 +28,14 @@ pub struct Args {
 /// Goes on with a run to the same results, to the last bit, that it would have had without the stop.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if stages::is_staged(&args.folder) {
+        if let Some(path) = &args.from {
+            return Err(Failure::Usage(format!(
+                "--from {}: {} has several stages; go on with the one that the checkpoint is of by `perifrac \
+                 resume` of its own folder, and then with those after it without --from",
+                path.display(),
+                args.folder.display()
+            )));
+        }
         return stages::resume(&args.folder, &args.how);
     }
     let checkpoint = match &args.from {
@@ -90,9 +97,7 @@ pub fn planned(checkpoint: &Checkpoint) -> Result<Planned, Failure> {
     let name = checkpoint.path.display().to_string();
     let record = &checkpoint.record;
     let loaded = load_str(&name, &record.scene, &record.base, &[])?;
-    let processes = Processes::started().size;
-    let plan = resolve_for(&loaded, &checkpoint.header.case, processes)?;
-    Ok(Planned { loaded, plan })
+    Ok(Planned::resolve(loaded, &checkpoint.header.case, false)?)
 }
 
 fn told_finished(args: &Args, checkpoint: &Checkpoint) -> Result<(), Failure> {

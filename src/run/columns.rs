@@ -30,7 +30,7 @@ pub fn displacement_at(axis: &str, probe: &str) -> String {
 }
 
 /// Heading of the largest opening of a crack.
-pub fn opening_of(crack: &str) -> String {
+fn opening_of(crack: &str) -> String {
     format!("opening_{crack}_m")
 }
 

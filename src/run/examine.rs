@@ -1,7 +1,7 @@
 //! What a scene would be refused for, found before it is run: the one answer that `check`, `plan` and
 //! `run` give.
 
-use super::RunError;
+use super::{RunError, takeover};
 use crate::explain::{Explanation, Memory, explain};
 use crate::model::Model;
 use crate::plan::{Plan, TimeMode};
@@ -40,7 +40,8 @@ pub fn examine_for<const D: usize>(plan: &Plan, processes: usize) -> Result<Exam
     let mut explanation = explain::<D>(plan)?;
     let built = model_bytes(&explanation.memory) <= MOST_BYTES;
     if built {
-        let model = Model::<D>::build(plan, &mut Timers::default())?;
+        let mut model = Model::<D>::build(plan, &mut Timers::default())?;
+        takeover::check_start(plan, Some(&mut model), processes)?;
         if plan.time.mode == TimeMode::Transient {
             schemes::build(plan, &model).map_err(refused)?;
         }
@@ -49,6 +50,8 @@ pub fn examine_for<const D: usize>(plan: &Plan, processes: usize) -> Result<Exam
                 explanation.warnings.push(warning);
             }
         }
+    } else {
+        takeover::check_start::<D>(plan, None, processes)?;
     }
     Ok(Examined { explanation, built })
 }
