@@ -193,7 +193,6 @@ impl<const D: usize> SolidSolver<D> for Assembled {
 
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
-        self.prepare(solid)?;
         solid.place_walls(state.time, &mut state.walls);
         let mut iterations = 0;
         let (mut last, mut moved) = (f64::INFINITY, f64::INFINITY);
@@ -215,6 +214,7 @@ impl<const D: usize> SolidSolver<D> for Assembled {
                 };
             }
             last = left;
+            self.prepare(solid)?;
             let (inner, change) = self.correct(solid, at, state)?;
             iterations += 1 + inner;
             moved = norm2(&change) / norm2(&state.displacement).max(f64::MIN_POSITIVE);
