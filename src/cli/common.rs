@@ -10,7 +10,7 @@ use crate::geometry::GeometryError;
 use crate::model::ModelError;
 use crate::output::CheckpointError;
 use crate::plan::{FileError, Plan, resolve_for};
-use crate::run::{Examined, RunError, examine_for};
+use crate::run::{Examined, RunError, examine};
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
 use crate::schemes;
 
@@ -19,7 +19,7 @@ use super::processes::Processes;
 
 /// Scene and overrides, for every verb that reads a scene.
 #[derive(Debug, clap::Args)]
-pub struct SceneArgs {
+pub(super) struct SceneArgs {
     /// Path of a scene file, or name of a bundled case or of a variant of it, such as
     /// notched-tension/smoke
     pub scene: String,
@@ -35,7 +35,7 @@ pub struct SceneArgs {
 }
 
 /// A scene with its plan.
-pub struct Planned {
+pub(super) struct Planned {
     /// The scene, for places in errors.
     pub loaded: LoadedScene,
     /// The plan.
@@ -45,7 +45,7 @@ pub struct Planned {
 }
 
 /// What a scene asks for: one run, or several that follow each other.
-pub enum Asked {
+pub(super) enum Asked {
     /// One run.
     One(Box<Planned>),
     /// Stages with their names, each of which goes on where the one before it ended.
@@ -54,7 +54,7 @@ pub enum Asked {
 
 impl Asked {
     /// Name of the case.
-    pub fn case(&self) -> &str {
+    pub(super) fn case(&self) -> &str {
         match self {
             Asked::One(planned) => &planned.plan.case,
             Asked::Stages(stages) => stages.first().map_or("", |(_, planned)| &planned.plan.case),
@@ -62,7 +62,7 @@ impl Asked {
     }
 
     /// All runs, with the names of stages.
-    pub fn all(&self) -> Vec<(Option<&str>, &Planned)> {
+    pub(super) fn all(&self) -> Vec<(Option<&str>, &Planned)> {
         match self {
             Asked::One(planned) => vec![(None, planned)],
             Asked::Stages(stages) => stages
@@ -82,7 +82,7 @@ impl SceneArgs {
     ///
     /// # Errors
     /// [`Failure::Scene`] or [`Failure::Usage`].
-    pub fn ask(&self) -> Result<Asked, Failure> {
+    pub(super) fn ask(&self) -> Result<Asked, Failure> {
         let overrides = self.all_overrides();
         self.with_texts(|(layers, case, base)| {
             let planned = |loaded, follows| Planned::resolve(loaded, case, follows);
@@ -100,11 +100,12 @@ impl SceneArgs {
         })
     }
 
+    #[cfg(feature = "study")]
     /// As [`SceneArgs::ask`], where only one run will do.
     ///
     /// # Errors
     /// As there; [`Failure::Usage`] for a scene in stages.
-    pub fn plan(&self) -> Result<Planned, Failure> {
+    pub(super) fn plan(&self) -> Result<Planned, Failure> {
         match self.ask()? {
             Asked::One(planned) => Ok(*planned),
             Asked::Stages(_) => Err(Failure::Usage(format!(
@@ -199,7 +200,11 @@ impl Planned {
     ///
     /// # Errors
     /// [`SceneErrors`].
-    pub fn resolve(loaded: LoadedScene, case: &str, follows: bool) -> Result<Self, SceneErrors> {
+    pub(super) fn resolve(
+        loaded: LoadedScene,
+        case: &str,
+        follows: bool,
+    ) -> Result<Self, SceneErrors> {
         let plan = resolve_for(&loaded, case, Processes::started().size)?;
         Ok(Planned {
             loaded,
@@ -212,7 +217,7 @@ impl Planned {
     ///
     /// # Errors
     /// [`Failure::Scene`] for what a run would refuse at its start and estimates can tell.
-    pub fn explain(&self) -> Result<Explanation, Failure> {
+    pub(super) fn explain(&self) -> Result<Explanation, Failure> {
         let processes = Processes::started().size;
         schemes::check(&self.plan, processes)
             .map_err(|error| self.failure(RunError::refused(&self.plan, error)))?;
@@ -227,12 +232,12 @@ impl Planned {
     ///
     /// # Errors
     /// [`Failure`] for what a run would refuse at its start.
-    pub fn examine(&self) -> Result<Examined, Failure> {
+    pub(super) fn examine(&self) -> Result<Examined, Failure> {
         let processes = Processes::started().size;
         let plan = self.startable();
         let examined = match plan.dimension {
-            2 => examine_for::<2>(&plan, processes),
-            _ => examine_for::<3>(&plan, processes),
+            2 => examine::<2>(&plan, processes),
+            _ => examine::<3>(&plan, processes),
         };
         examined.map_err(|error| self.failure(error))
     }
@@ -249,7 +254,7 @@ impl Planned {
     }
 
     /// An error of a run, underlined in the scene where it has a place there.
-    pub fn failure(&self, error: RunError) -> Failure {
+    pub(super) fn failure(&self, error: RunError) -> Failure {
         match (error, &self.loaded.scene.start) {
             (RunError::Model(error), _) => self.locate(&error),
             (RunError::Start(error), Some(start)) if !self.follows => {
@@ -267,7 +272,7 @@ impl Planned {
     }
 
     /// An error of the model, underlined in the scene where it has a place there.
-    pub fn locate(&self, error: &ModelError) -> Failure {
+    pub(super) fn locate(&self, error: &ModelError) -> Failure {
         let diagnostic = Diagnostic::new(error.to_string());
         let diagnostic = match self.place(error) {
             Some(place) => diagnostic.at(place),

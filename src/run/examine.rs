@@ -21,20 +21,12 @@ pub struct Examined {
     pub built: bool,
 }
 
-/// Examines a plan of dimension `D`: estimates what it takes, and builds model and scheme where that
-/// takes no more than about half a second.
+/// Examines a plan of dimension `D` for a run by so many processes: estimates what it takes, and builds model
+/// and scheme where that takes no more than about half a second.
 ///
 /// # Errors
 /// [`RunError`] as a run would give it at its start.
-pub fn examine<const D: usize>(plan: &Plan) -> Result<Examined, RunError> {
-    examine_for::<D>(plan, 1)
-}
-
-/// As [`examine`], for a run by so many processes.
-///
-/// # Errors
-/// As [`examine`].
-pub fn examine_for<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
+pub fn examine<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
     let refused = |error| RunError::refused(plan, error);
     schemes::check(plan, processes).map_err(refused)?;
     let mut explanation = explain::<D>(plan)?;

@@ -1,6 +1,6 @@
 //! Scenes that start from the state of another run, and scenes in stages, whose stages do.
 
-use crate::support::{BASE, Place, changed};
+use crate::support::{BASE, Place, changed, wait_for};
 
 /// The base scene, from the state that `from` names.
 fn started(from: &str, changes: &[(&str, &str)]) -> String {
@@ -109,7 +109,6 @@ fn stages_are_checked_without_the_states_that_they_will_start_from() {
 #[test]
 fn what_stops_in_a_stage_goes_on_with_all_of_them() {
     use std::process::{Command, Stdio};
-    use std::time::{Duration, Instant};
     let place = Place::new();
     place.write("scene.toml", format!("{BASE}{STAGES}"));
     let mut command = Command::new(env!("CARGO_BIN_EXE_perifrac"));
@@ -118,11 +117,9 @@ fn what_stops_in_a_stage_goes_on_with_all_of_them() {
     command.current_dir(place.path(""));
     command.stdout(Stdio::null()).stderr(Stdio::piped());
     let child = command.spawn().unwrap();
-    let begun = Instant::now();
-    while !place.path("all/01-long/history.csv").is_file() {
-        assert!(begun.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_for("the first stage", || {
+        place.path("all/01-long/history.csv").is_file()
+    });
     let signal = Command::new("kill")
         .args(["-INT", &child.id().to_string()])
         .status();
