@@ -29,13 +29,13 @@ struct Listed {
 }
 
 /// Whether a folder is that of a scene in stages.
-pub fn is_staged(folder: &Path) -> bool {
+pub(super) fn is_staged(folder: &Path) -> bool {
     folder.join(LIST).is_file()
 }
 
 /// The folder that `perifrac resume` is given to go on in that of a run: that of all stages, where the run is
 /// one of them.
-pub fn way_on(folder: &Path) -> &Path {
+pub(super) fn way_on(folder: &Path) -> &Path {
     let whole = folder.parent().unwrap_or(Path::new(""));
     let stages = listed(whole).unwrap_or_default();
     let mut folders = stages.iter().enumerate();
@@ -61,7 +61,7 @@ fn listed(folder: &Path) -> Result<Vec<Listed>, Failure> {
 ///
 /// # Errors
 /// [`Failure`] of the first stage that fails.
-pub fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(), Failure> {
+pub(super) fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(), Failure> {
     let desk = Desk::new(how)?;
     let leads = Processes::started().leads();
     let hold = match leads {
@@ -75,7 +75,7 @@ pub fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(
 ///
 /// # Errors
 /// As [`run`].
-pub fn resume(folder: &Path, how: &How) -> Result<(), Failure> {
+pub(super) fn resume(folder: &Path, how: &How) -> Result<(), Failure> {
     let mut stages = Vec::new();
     for (number, stage) in listed(folder)?.into_iter().enumerate() {
         let loaded = load_str(&stage.name, &stage.scene, &stage.base, &[])?;

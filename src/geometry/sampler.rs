@@ -12,7 +12,7 @@ pub struct Sampler<'a, const D: usize> {
 }
 
 /// A bond found by a [`Sampler`]: neighbour, whether it is a mirror image, and bond vector in metres.
-pub type SampledBond<const D: usize> = (usize, bool, Vector<D>);
+pub(super) type SampledBond<const D: usize> = (usize, bool, Vector<D>);
 
 impl<'a, const D: usize> Sampler<'a, D> {
     /// Prepares the search.

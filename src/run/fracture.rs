@@ -82,7 +82,7 @@ impl Fractures {
 }
 
 /// Headings of the figures in history.csv.
-pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<String> {
+pub(super) fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<String> {
     let wall = |(side, axis): (Side, usize)| {
         let name = format!("{side}_{}", AXES[axis]);
         [format!("motion_{name}_m"), format!("force_{name}_N")]
@@ -110,7 +110,7 @@ pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Stri
 }
 
 /// Values under the headings.
-pub fn row(fractures: &Fractures) -> Vec<f64> {
+pub(super) fn row(fractures: &Fractures) -> Vec<f64> {
     let mut row: Vec<f64> = fractures.walls.iter().flatten().copied().collect();
     row.extend(fractures.pressure.iter().map(|(_, pressure)| pressure));
     row.extend([fractures.crack_length, fractures.dissipated]);

@@ -13,7 +13,7 @@ use crate::output::{LinePlot, LineStyle, Series};
 use crate::plan::PermeabilityPlan;
 
 /// The study of contrast.
-pub struct Contrast;
+pub(super) struct Contrast;
 
 const OPERATORS: [&str; 2] = ["bond", "correspondence"];
 

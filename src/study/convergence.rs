@@ -13,7 +13,7 @@ use super::{
 use crate::output::{LinePlot, LineStyle, Series};
 
 /// The study of convergence.
-pub struct Convergence;
+pub(super) struct Convergence;
 
 /// Steps of the runs that are compared.
 const STEPS: [u32; 5] = [8, 16, 32, 64, 128];

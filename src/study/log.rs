@@ -13,7 +13,7 @@ use crate::run::Summary;
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Status {
+pub(crate) enum Status {
     /// It reached its end.
     Done,
     /// It was refused before it started (exit codes 2 and 3).
@@ -28,7 +28,7 @@ pub enum Status {
 
 impl Status {
     /// As in tables.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Status::Done => "done",
             Status::Refused => "refused",
@@ -41,7 +41,7 @@ impl Status {
 
 /// One finished run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// What was run: build of the program, scene and overrides.
     pub key: String,
     /// 0 for the first run of a variant.
@@ -67,7 +67,7 @@ pub struct Row {
 
 impl Row {
     /// A run that was not started.
-    pub fn unmeasured(key: String, repetition: u32, status: Status, reason: String) -> Self {
+    pub(crate) fn unmeasured(key: String, repetition: u32, status: Status, reason: String) -> Self {
         Row {
             key,
             repetition,
@@ -85,7 +85,7 @@ impl Row {
 
 /// The log, open for more rows.
 #[derive(Debug)]
-pub struct Log {
+pub(crate) struct Log {
     path: PathBuf,
     file: File,
     rows: Vec<Row>,
@@ -96,7 +96,7 @@ impl Log {
     ///
     /// # Errors
     /// [`StudyError::Output`] if the file cannot be read or written.
-    pub fn open(path: &Path) -> Result<Self, StudyError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, StudyError> {
         let failed = |action| move |error| OutputError::from_io(path, action, error);
         let mut file = OpenOptions::new()
             .create(true)
@@ -128,7 +128,7 @@ impl Log {
     }
 
     /// The row of a run, if it is there.
-    pub fn find(&self, key: &str, repetition: u32) -> Option<&Row> {
+    pub(crate) fn find(&self, key: &str, repetition: u32) -> Option<&Row> {
         let fits = |row: &&Row| row.key == key && row.repetition == repetition;
         self.rows.iter().rev().find(fits)
     }
@@ -137,7 +137,7 @@ impl Log {
     ///
     /// # Errors
     /// [`StudyError::Output`] if it cannot be written.
-    pub fn add(&mut self, row: Row) -> Result<(), StudyError> {
+    pub(crate) fn add(&mut self, row: Row) -> Result<(), StudyError> {
         let mut line = serde_json::to_string(&row).map_err(|source| OutputError::Json {
             path: self.path.clone(),
             source,

@@ -12,7 +12,7 @@ use crate::run::{Interrupt, Summary};
 
 /// What a child process did.
 #[derive(Debug, Clone)]
-pub struct RunOutcome {
+pub(crate) struct RunOutcome {
     /// Exit code; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Wall time from start to end, s.
@@ -31,7 +31,7 @@ pub struct RunOutcome {
 
 /// Starts runs of the program.
 #[derive(Debug, Clone)]
-pub struct Runner {
+pub(crate) struct Runner {
     program: PathBuf,
     build: String,
     scene: String,
@@ -47,7 +47,7 @@ impl Runner {
     ///
     /// # Errors
     /// [`StudyError::Program`] if the program cannot be found or read.
-    pub fn new(scene: &str) -> Result<Self, StudyError> {
+    pub(crate) fn new(scene: &str) -> Result<Self, StudyError> {
         let program = std::env::current_exe().map_err(StudyError::Program)?;
         Ok(Runner {
             build: build(&program).map_err(StudyError::Program)?,
@@ -57,7 +57,7 @@ impl Runner {
     }
 
     /// What tells this build of the program from all others.
-    pub fn build(&self) -> &str {
+    pub(crate) fn build(&self) -> &str {
         &self.build
     }
 
@@ -65,7 +65,7 @@ impl Runner {
     ///
     /// # Errors
     /// [`StudyError::Program`] if the program cannot be started or awaited.
-    pub fn run(
+    pub(crate) fn run(
         &self,
         overrides: &[String],
         folder: &Path,

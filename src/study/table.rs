@@ -42,7 +42,7 @@ fn extreme(run: &Measured, pick: fn(f64, f64) -> f64) -> f64 {
 }
 
 /// A run for report.json.
-pub fn entry(run: &Measured) -> Value {
+pub(super) fn entry(run: &Measured) -> Value {
     let measures = MEASURES
         .iter()
         .map(|(name, measure)| ((*name).to_owned(), json!(measure(run))));
@@ -66,7 +66,7 @@ pub fn entry(run: &Measured) -> Value {
 ///
 /// # Errors
 /// [`StudyError::Output`] if it cannot be made.
-pub fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
+pub(super) fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
     let varied: BTreeSet<&str> = runs
         .iter()
         .flat_map(|run| run.variant.values.keys().copied())

@@ -21,7 +21,7 @@ use super::{
 };
 
 /// The study of stability.
-pub struct Stability;
+pub(super) struct Stability;
 
 /// Ratio of neighbouring steps and strengths: a quarter of a decade.
 const CELL: f64 = 1.778_279_410_038_922_8;
