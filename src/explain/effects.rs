@@ -41,7 +41,7 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
     if let Some(coupling) = &plan.coupling {
         let start = match coupling.undrained_start {
             true => "from the undrained answer to the first loads",
-            false => "from the initial pressure",
+            false => "from the equilibrium at the initial pressure",
         };
         effects.push(reason("coupling", format!("[coupling] is there, {start}")));
     }

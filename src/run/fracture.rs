@@ -6,6 +6,7 @@ use crate::effects::vector;
 use crate::geometry::{Side, Vector};
 use crate::model::{Model, driven_walls};
 use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
+use crate::report::lenient;
 use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
@@ -81,7 +82,7 @@ impl Fractures {
 }
 
 /// Headings of the figures in history.csv.
-pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<String> {
+pub(super) fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<String> {
     let wall = |(side, axis): (Side, usize)| {
         let name = format!("{side}_{}", AXES[axis]);
         [format!("motion_{name}_m"), format!("force_{name}_N")]
@@ -109,7 +110,7 @@ pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Stri
 }
 
 /// Values under the headings.
-pub fn row(fractures: &Fractures) -> Vec<f64> {
+pub(super) fn row(fractures: &Fractures) -> Vec<f64> {
     let mut row: Vec<f64> = fractures.walls.iter().flatten().copied().collect();
     row.extend(fractures.pressure.iter().map(|(_, pressure)| pressure));
     row.extend([fractures.crack_length, fractures.dissipated]);
@@ -138,8 +139,10 @@ pub struct Results {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness: Option<f64>,
     /// Energy that damage took, J.
+    #[serde(deserialize_with = "lenient")]
     pub dissipated_energy: f64,
     /// Length of all cracks, m (area in 3-D, m²).
+    #[serde(deserialize_with = "lenient")]
     pub crack_length: f64,
     /// Pressure when rock began to break, Pa: that of the crack nearest to where it broke, among the
     /// pumped ones, or without any among those of prescribed pressure.
