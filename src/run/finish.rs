@@ -74,7 +74,10 @@ impl<const D: usize> Run<'_, D> {
             pressure_range: flow.map(|_| extremes(&self.state.pressure)),
             displacement_max: solid.map(|_| largest::<D>(&self.state.shown_displacement())),
             coupling: self.coupling(&counters),
-            results: self.plan.damage.map(|_| self.tracker.results.clone()),
+            results: self.plan.damage.map(|_| {
+                let pumped = self.plan.thickness * self.balance.injected;
+                self.tracker.results.clone().with_injected(pumped)
+            }),
             balance: in_slab(self.plan, &self.balance),
             consistency: flow
                 .and_then(|flow| flow.consistency)

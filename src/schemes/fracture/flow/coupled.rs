@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::schemes::{State, StepError, StepReport, flow_of};
 
 /// Fluid out of balance, relative to what moves in the step, that counts as none.
-const BALANCED_MASS: f64 = 1e-7;
+const BALANCED_MASS: f64 = 5e-7;
 /// Fluid that rounding may lose, relative to all that points hold.
 const ROUNDING: f64 = 1e-14;
 /// Share of what a pass with the exact tangent found out of balance that it may leave.
