@@ -26,6 +26,7 @@ left.clamped = true
 right.free = true
 [coupling]
 [damage]
+model = "paper"
 length_scale = "40 cm"
 split = "volumetric-deviatoric"
 residual_stiffness = 1e-8
@@ -65,6 +66,7 @@ fracture_energy = 100
 [mechanics.boundary.left]
 clamped = true
 [damage]
+model = "paper"
 length_scale = 0.5
 [cracks.penny]
 kind = "damaged"
