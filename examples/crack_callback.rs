@@ -14,6 +14,7 @@ materials.steel = { youngs_modulus = "210 GPa", poissons_ratio = 0.3, fracture_e
 bottom.clamped = true
 top.displacement = [0, { time = ["0 s", "6000 s"], value = [0, "6e-3 mm"] }]
 [damage]
+model = "paper"
 length_scale = "0.1333333 mm"
 tolerance = 1e-4
 [cracks.notch]

@@ -266,6 +266,7 @@ fn a_split_that_diverges_is_warned_of() {
 
 /// E = 10 GPa, G_c = 50 J/m², ℓ = 2 m, and a horizon of 3.1 m.
 const BREAKING: &[&str] = &[
+    "damage.model=paper",
     "damage.length_scale=2",
     "materials.rock.fracture_energy=50",
     "horizon.radius=3.1",
@@ -347,7 +348,7 @@ fn damage_is_among_the_effects_and_in_the_scheme() {
     };
     assert_eq!(
         effect(&told, "damage").unwrap(),
-        "[damage] is there, split spectral"
+        "[damage] is there, model of the paper, split spectral"
     );
     assert_eq!(told.scheme.name, "quasi-static (newton or alternate)");
     assert_eq!(

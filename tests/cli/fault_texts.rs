@@ -153,7 +153,7 @@ error: unknown key `mesh`
 15 | [mesh]
    |  ^^^^
    |
-   = help: expected `title`, `description`, `geometry`, `horizon`, `fluid`, `materials`, `gravity`, `flow`, `mechanics`, `coupling`, `damage`, `fracture_flow`, `cracks`, `wells`, `start`, `time`, `scheme`, `solver`, `audit`, `output` or `reference`
+   = help: expected `title`, `description`, `geometry`, `horizon`, `fluid`, `materials`, `gravity`, `initial`, `flow`, `mechanics`, `coupling`, `damage`, `fracture_flow`, `cracks`, `wells`, `start`, `time`, `scheme`, `solver`, `audit`, `output` or `reference`
 "#,
             ..FAULT
         },

@@ -22,6 +22,7 @@ roller = true
 [mechanics.boundary.bottom]
 roller = true
 [damage]
+model = "paper"
 length_scale = "0.01 m"
 tolerance = 1e-9
 [time]
@@ -71,6 +72,7 @@ fn a_damaged_band_opens_like_a_cut_crack() {
     let damaged = [
         "geometry.spacing=0.01",
         "cracks.main.kind=damaged",
+        "damage.model=paper",
         "damage.length_scale=0.01",
         "materials.rock.fracture_energy=1e9",
     ];

@@ -88,6 +88,7 @@ fn a_block_in_space_a_coupled_one_and_one_that_may_break_are_solved_too() {
     let breaks = [
         "geometry.spacing=0.1",
         "materials.r.fracture_energy=1e9",
+        "damage.model=paper",
         "damage.length_scale=0.3",
     ];
     let coupled = [

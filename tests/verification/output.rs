@@ -400,6 +400,7 @@ boundary = { right = { pressure = 0 } }
 [coupling]
 undrained_start = false
 [damage]
+model = "paper"
 length_scale = "12 cm"
 normalise = true
 [fracture_flow]

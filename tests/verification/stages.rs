@@ -151,7 +151,7 @@ fn damage_that_is_switched_on_in_compressed_rock_breaks_nothing() {
     let keys = start(
         &first,
         &[
-            "damage={length_scale=0.5}",
+            "damage={model=\"paper\", length_scale=0.5}",
             "fracture_flow={}",
             "flow.operator=bond",
             "coupling.undrained_start=false",

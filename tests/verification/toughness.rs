@@ -22,6 +22,7 @@ top.free = true
 [cracks.cut]
 points = [[0, 0.5], [0.4, 0.52]]
 [damage]
+model = "paper"
 length_scale = "0.02 m"
 residual_stiffness = 1e-6
 normalise = "mean"

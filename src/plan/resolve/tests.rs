@@ -294,6 +294,7 @@ fn a_disc_has_a_normal_of_length_one() {
                  0.5, 0.5], normal = [0, 3, 4], radius = \"20 cm\"}}";
     let sets = [
         "materials.rock.fracture_energy=50",
+        "damage.model=paper",
         "damage.length_scale=0.2",
         "damage.shortest_step=1 ms",
         penny,

@@ -1,7 +1,7 @@
 //! Rules of damage, of damaged cracks, and of flow in what is broken.
 
 use super::{faults, load};
-use crate::scene::{CrackKind, HorizonSize, Normalise};
+use crate::scene::{CrackKind, DamageModel, HorizonSize, Normalise};
 
 /// A sound scene of a crack that fluid is pumped into.
 pub(crate) const PUMPED: &str = r#"title = "Pumped"
@@ -26,6 +26,7 @@ left.clamped = true
 right.free = true
 [coupling]
 [damage]
+model = "paper"
 length_scale = "40 cm"
 split = "volumetric-deviatoric"
 residual_stiffness = 1e-8
@@ -65,6 +66,7 @@ fracture_energy = 100
 [mechanics.boundary.left]
 clamped = true
 [damage]
+model = "paper"
 length_scale = 0.5
 [cracks.penny]
 kind = "damaged"
@@ -232,6 +234,62 @@ fn a_horizon_in_length_scales_needs_damage() {
         messages(&elastic, &size),
         ["`length_scale_ratio` needs [damage]"]
     );
+}
+
+/// A scene of the split model, which needs nothing in its section.
+#[test]
+fn the_split_model_is_the_default_and_needs_no_length_scale() {
+    let text = DISC.replace("model = \"paper\"\nlength_scale = 0.5\n", "");
+    let scene = load(&text, &[]).unwrap().scene;
+    let damage = scene.damage.as_ref().unwrap();
+    assert_eq!(damage.model, DamageModel::Split);
+    assert_eq!(damage.normalisation(), Normalise::Mean);
+    assert_eq!(scene.horizon.size(Some(damage)), HorizonSize::Ratio(2.3));
+    let paper = load(DISC, &[]).unwrap().scene;
+    let damage = paper.damage.as_ref().unwrap();
+    assert_eq!(damage.normalisation(), Normalise::Off);
+    assert_eq!(
+        paper.horizon.size(Some(damage)),
+        HorizonSize::Neighbours(15)
+    );
+    assert_eq!(
+        messages(&text, &["horizon.length_scale_ratio=0.5"]),
+        ["`length_scale_ratio` needs damage.length_scale"]
+    );
+    for strength in ["damage.model=paper", "damage.normalise=false"] {
+        assert_eq!(
+            messages(&text, &[strength]),
+            ["[damage] needs `length_scale`, or normalise = \"mean\""]
+        );
+    }
+}
+
+#[test]
+fn keys_of_both_models_have_their_ranges() {
+    for (key, message) in [
+        ("damage.model=griffith", "`griffith` is not known here"),
+        (
+            "damage.exponent=3",
+            "`exponent` = 3: there are laws for 1.5 and 2 only",
+        ),
+        (
+            "damage.friction=-0.1",
+            "`friction` must lie between 0 and 10, found -0.1",
+        ),
+        (
+            "damage.friction=11",
+            "`friction` must lie between 0 and 10, found 11",
+        ),
+        (
+            "fracture_flow.residual_aperture=0",
+            "`residual_aperture` must be positive",
+        ),
+    ] {
+        assert_eq!(messages(PUMPED, &[key]), [message], "{key}");
+    }
+    for sound in ["damage.exponent=1.5", "damage.exponent=2"] {
+        assert_eq!(faults(PUMPED, &[sound]), [], "{sound}");
+    }
 }
 
 #[test]

@@ -143,10 +143,13 @@ impl Section for Horizon {
         if let Some(ratio) = self.length_scale_ratio {
             LENGTH_SCALE_RATIO.check(ratio, report);
             let damage = scene.has(&scene.draft.damage);
+            // Damage may do without a length scale, a ratio to it may not.
+            let missing = (scene.sound(&scene.draft.damage))
+                .is_some_and(|damage| damage.length_scale.is_none());
             report.needs(
                 "`length_scale_ratio`",
                 ratio.span(),
-                &[("[damage]", damage)],
+                &[("[damage]", damage), ("damage.length_scale", !missing)],
             );
         }
         if let Some(radius) = self.radius {

@@ -257,6 +257,7 @@ pressure = 0
 [coupling]
 undrained_start = false
 [damage]
+model = "paper"
 length_scale = 0.18
 normalise = true
 [fracture_flow]
