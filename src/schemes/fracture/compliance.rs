@@ -10,6 +10,7 @@
 use perifrac_solvers::norm2;
 
 use crate::model::Model;
+use crate::operators::Divergence;
 use crate::schemes::memory::Measured;
 use crate::schemes::{State, StepError, coupling_of, flow_of, solid_of};
 
@@ -97,7 +98,14 @@ fn measure<const D: usize>(
 ) -> Result<(f64, usize), StepError> {
     let (solid, coupling) = (solid_of(model)?, coupling_of(model)?);
     let mut push = vec![0.0; solid.unknowns()];
-    coupling.add_pressure_force(solid, shares, &mut push);
+    match model.has_crack_content() {
+        // The fluid pushes the faces apart by all of its pressure, whatever the rock makes of it.
+        true => {
+            let weight = model.cloud.volume.clone();
+            Divergence { weight }.add_adjoint(&solid.elastic, shares, &mut push);
+        }
+        false => coupling.add_pressure_force(solid, shares, &mut push),
+    }
     let loads = norm2(&model.external_force(state.time, &state.pressure));
     let stiffest = solid.elastic.lame.iter().map(|lame| lame.mu);
     let raise = (RAISED * loads / norm2(&push)).max(AT_REST * stiffest.fold(0.0, f64::max));
@@ -106,7 +114,13 @@ fn measure<const D: usize>(
     pairs.for_each(|(p, share)| *p += share * raise);
     let iterations = equilibrate(&mut raised)?;
     let step = raised.since(state);
-    let gained = model.content(&step.displacement, &step.walls);
+    let mut gained = model.content(&step.displacement, &step.walls);
+    if model.has_crack_content() {
+        let cracks = |at: &State| model.crack_content(model.response(&at.view()).as_ref());
+        let pairs = cracks(&raised).into_iter().zip(cracks(state));
+        let own = gained.iter_mut().zip(pairs);
+        own.for_each(|(gained, (now, then))| *gained += now - then);
+    }
     let gained: f64 = gained.iter().zip(shares).map(|(g, s)| g * s).sum();
     Ok(((gained / (raise * broken)).max(0.0), iterations))
 }
