@@ -64,7 +64,7 @@ fn steady() -> Result<()> {
     for (phase, _) in runs[0].1.timers.iter() {
         println!(
             "| {phase} | {:.3} |",
-            middle(&|run| run.1.timers.seconds(phase))
+            middle(&|run| run.1.timers.seconds(&phase))
         );
     }
     println!(

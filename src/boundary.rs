@@ -94,7 +94,7 @@ fn response<const D: usize>(
 }
 
 /// The sides of prescribed pressure of a plan.
-pub fn walls<const D: usize>(
+pub(crate) fn walls<const D: usize>(
     plan: &Plan,
     operator: &dyn ScalarOperator<D>,
     extension: &MirrorContinuation<D>,

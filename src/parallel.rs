@@ -3,13 +3,13 @@
 use rayon::prelude::*;
 
 /// Ranges that one task works on.
-pub const TASK: usize = 512;
+pub(crate) const TASK: usize = 512;
 
 /// Calls `work(i, its part of data)` for all ranges in parallel and gives what it returned, shape
 /// `(offsets.len() − 1,)`; range `i` of `data` starts at `offsets[i]`.
 ///
 /// Every range is owned by one call, so results do not depend on the number of threads.
-pub fn by_ranges<T: Send, R: Send + Clone + Default>(
+pub(crate) fn by_ranges<T: Send, R: Send + Clone + Default>(
     offsets: &[u32],
     data: &mut [T],
     work: impl Fn(usize, &mut [T]) -> R + Sync,

@@ -10,14 +10,14 @@ use super::exit::{Failure, print};
 
 /// Arguments of `cases`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// Write the scene and the notes of this case into the folder NAME
     #[arg(long, value_name = "NAME")]
     write: Option<String>,
 }
 
 /// Lists or writes cases.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let Some(name) = &args.write else {
         let lines: Vec<String> = CASES
             .iter()

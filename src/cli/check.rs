@@ -6,14 +6,14 @@ use super::memory;
 
 /// Arguments of `check`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 }
 
 /// Checks a scene: its text, its files, its regions, horizon and wells against its points, and whether
 /// its scheme can run it. What is too large to be built in about a second is judged by estimates.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let asked = args.scene.ask()?;
     for (stage, planned) in asked.all() {
         check(stage, planned)?;

@@ -1,5 +1,6 @@
 //! What several verbs share: naming a scene, overriding it, finding the place of a late error.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::cases;
@@ -7,8 +8,9 @@ use crate::effects::EffectError;
 use crate::explain::{Explanation, explain};
 use crate::geometry::GeometryError;
 use crate::model::ModelError;
+use crate::output::CheckpointError;
 use crate::plan::{FileError, Plan, resolve_for};
-use crate::run::{Examined, RunError, examine_for};
+use crate::run::{Examined, RunError, examine};
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
 use crate::schemes;
 
@@ -17,7 +19,7 @@ use super::processes::Processes;
 
 /// Scene and overrides, for every verb that reads a scene.
 #[derive(Debug, clap::Args)]
-pub struct SceneArgs {
+pub(super) struct SceneArgs {
     /// Path of a scene file, or name of a bundled case or of a variant of it, such as
     /// notched-tension/smoke
     pub scene: String,
@@ -33,15 +35,17 @@ pub struct SceneArgs {
 }
 
 /// A scene with its plan.
-pub struct Planned {
+pub(super) struct Planned {
     /// The scene, for places in errors.
     pub loaded: LoadedScene,
     /// The plan.
     pub plan: Plan,
+    /// Whether it is a stage that starts with the state in which the one before it ends.
+    pub follows: bool,
 }
 
 /// What a scene asks for: one run, or several that follow each other.
-pub enum Asked {
+pub(super) enum Asked {
     /// One run.
     One(Box<Planned>),
     /// Stages with their names, each of which goes on where the one before it ended.
@@ -50,7 +54,7 @@ pub enum Asked {
 
 impl Asked {
     /// Name of the case.
-    pub fn case(&self) -> &str {
+    pub(super) fn case(&self) -> &str {
         match self {
             Asked::One(planned) => &planned.plan.case,
             Asked::Stages(stages) => stages.first().map_or("", |(_, planned)| &planned.plan.case),
@@ -58,7 +62,7 @@ impl Asked {
     }
 
     /// All runs, with the names of stages.
-    pub fn all(&self) -> Vec<(Option<&str>, &Planned)> {
+    pub(super) fn all(&self) -> Vec<(Option<&str>, &Planned)> {
         match self {
             Asked::One(planned) => vec![(None, planned)],
             Asked::Stages(stages) => stages
@@ -78,32 +82,30 @@ impl SceneArgs {
     ///
     /// # Errors
     /// [`Failure::Scene`] or [`Failure::Usage`].
-    pub fn ask(&self) -> Result<Asked, Failure> {
+    pub(super) fn ask(&self) -> Result<Asked, Failure> {
         let overrides = self.all_overrides();
-        let processes = Processes::started().size;
         self.with_texts(|(layers, case, base)| {
-            let planned = |loaded: LoadedScene| {
-                let plan = resolve_for(&loaded, case, processes)?;
-                Ok(Planned { loaded, plan })
-            };
+            let planned = |loaded, follows| Planned::resolve(loaded, case, follows);
             let Some(stages) = scene::load_stages(layers, base, &overrides)? else {
                 let loaded = scene::load_layers(layers, base, &overrides)?;
-                return planned(loaded).map(|one| Asked::One(Box::new(one)));
+                return planned(loaded, false).map(|one| Asked::One(Box::new(one)));
             };
             let stages = stages
                 .into_iter()
-                .map(|stage| Ok((stage.name, planned(stage.loaded)?)));
+                .enumerate()
+                .map(|(number, stage)| Ok((stage.name, planned(stage.loaded, number > 0)?)));
             stages
                 .collect::<Result<_, SceneErrors>>()
                 .map(Asked::Stages)
         })
     }
 
+    #[cfg(feature = "study")]
     /// As [`SceneArgs::ask`], where only one run will do.
     ///
     /// # Errors
     /// As there; [`Failure::Usage`] for a scene in stages.
-    pub fn plan(&self) -> Result<Planned, Failure> {
+    pub(super) fn plan(&self) -> Result<Planned, Failure> {
         match self.ask()? {
             Asked::One(planned) => Ok(*planned),
             Asked::Stages(_) => Err(Failure::Usage(format!(
@@ -194,11 +196,28 @@ fn case_name(path: &Path, is_variant: bool) -> String {
 }
 
 impl Planned {
+    /// Resolves a scene for the processes that were started.
+    ///
+    /// # Errors
+    /// [`SceneErrors`].
+    pub(super) fn resolve(
+        loaded: LoadedScene,
+        case: &str,
+        follows: bool,
+    ) -> Result<Self, SceneErrors> {
+        let plan = resolve_for(&loaded, case, Processes::started().size)?;
+        Ok(Planned {
+            loaded,
+            plan,
+            follows,
+        })
+    }
+
     /// What the plan will do and cost.
     ///
     /// # Errors
     /// [`Failure::Scene`] for what a run would refuse at its start and estimates can tell.
-    pub fn explain(&self) -> Result<Explanation, Failure> {
+    pub(super) fn explain(&self) -> Result<Explanation, Failure> {
         let processes = Processes::started().size;
         schemes::check(&self.plan, processes)
             .map_err(|error| self.failure(RunError::refused(&self.plan, error)))?;
@@ -213,25 +232,47 @@ impl Planned {
     ///
     /// # Errors
     /// [`Failure`] for what a run would refuse at its start.
-    pub fn examine(&self) -> Result<Examined, Failure> {
+    pub(super) fn examine(&self) -> Result<Examined, Failure> {
         let processes = Processes::started().size;
-        let examined = match self.plan.dimension {
-            2 => examine_for::<2>(&self.plan, processes),
-            _ => examine_for::<3>(&self.plan, processes),
+        let plan = self.startable();
+        let examined = match plan.dimension {
+            2 => examine::<2>(&plan, processes),
+            _ => examine::<3>(&plan, processes),
         };
         examined.map_err(|error| self.failure(error))
     }
 
+    /// The plan without a start that only the stage before will have made.
+    fn startable(&self) -> Cow<'_, Plan> {
+        match self.follows {
+            true => Cow::Owned(Plan {
+                start: None,
+                ..self.plan.clone()
+            }),
+            false => Cow::Borrowed(&self.plan),
+        }
+    }
+
     /// An error of a run, underlined in the scene where it has a place there.
-    pub fn failure(&self, error: RunError) -> Failure {
-        match error {
-            RunError::Model(error) => self.locate(&error),
-            other => other.into(),
+    pub(super) fn failure(&self, error: RunError) -> Failure {
+        match (error, &self.loaded.scene.start) {
+            (RunError::Model(error), _) => self.locate(&error),
+            (RunError::Start(error), Some(start)) if !self.follows => {
+                let fault = Diagnostic::new(error.to_string()).at(start.from.span);
+                let fault = match error {
+                    CheckpointError::Output(_) => fault.help(
+                        "name the folder of a run with checkpoints, or one of them, relative to the scene file",
+                    ),
+                    _ => fault,
+                };
+                self.loaded.errors(vec![fault]).into()
+            }
+            (other, _) => other.into(),
         }
     }
 
     /// An error of the model, underlined in the scene where it has a place there.
-    pub fn locate(&self, error: &ModelError) -> Failure {
+    pub(super) fn locate(&self, error: &ModelError) -> Failure {
         let diagnostic = Diagnostic::new(error.to_string());
         let diagnostic = match self.place(error) {
             Some(place) => diagnostic.at(place),

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use perifrac_solvers::SolveError;
 
 use super::interrupt;
+use super::stages::way_on;
 use crate::model::ModelError;
 use crate::output::{CheckpointError, OutputError, checkpoint};
 use crate::run::RunError;
@@ -16,7 +17,7 @@ use crate::study::StudyError;
 
 /// A failure of a verb, as told to the user.
 #[derive(Debug)]
-pub enum Failure {
+pub(super) enum Failure {
     /// Wrong words on the command line.
     Usage(String),
     /// The scene is at fault.
@@ -41,7 +42,7 @@ pub enum Failure {
 
 impl Failure {
     /// The exit code.
-    pub fn code(&self) -> u8 {
+    pub(super) fn code(&self) -> u8 {
         match self {
             Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
@@ -59,20 +60,23 @@ impl Failure {
 
     /// Says how to go on in a folder after what is no fault of the scene, if there is a checkpoint.
     #[must_use]
-    pub fn with_way_on(self, folder: &Path) -> Self {
+    pub(super) fn with_way_on(self, folder: &Path) -> Self {
+        let whole = way_on(folder);
+        // A stage that kept nothing begins anew.
+        let goes_on = || whole != folder || !checkpoint::list(folder).is_empty();
         match self {
             Failure::Run(error)
                 if matches!(*error, RunError::Interrupted { .. } | RunError::Output(_))
-                    && !checkpoint::list(folder).is_empty() =>
+                    && goes_on() =>
             {
-                Failure::Stopped(error, folder.to_owned())
+                Failure::Stopped(error, whole.to_owned())
             }
             other => other,
         }
     }
 
     /// Tells the user on standard error and gives the exit code.
-    pub fn report(&self) -> u8 {
+    pub(super) fn report(&self) -> u8 {
         let mut stderr = std::io::stderr().lock();
         let text = match self {
             Failure::Usage(message) | Failure::Memory(message) => format!("error: {message}"),
@@ -110,7 +114,7 @@ fn run_code(error: &RunError) -> u8 {
             _ => 4,
         },
         RunError::Interrupted { .. } => interrupt::code(),
-        RunError::Checkpoint(error) => checkpoint_code(error),
+        RunError::Checkpoint(error) | RunError::Start(error) => checkpoint_code(error),
         _ => 1,
     }
 }
@@ -166,7 +170,7 @@ impl From<OutputError> for Failure {
 }
 
 /// Prints to standard output; a closed pipe ends the program quietly.
-pub fn print(text: &str) -> Result<(), Failure> {
+pub(super) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     let printed = writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush());
     printed.map_err(|error| match error.kind() {
@@ -176,17 +180,17 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// Prints a warning on standard error; a run goes on even if nobody can read it.
-pub fn warn(message: &str) {
+pub(super) fn warn(message: &str) {
     say(&format!("warning: {message}"));
 }
 
 /// Prints a line on standard error, if there is someone to read it.
-pub fn say(line: &str) {
+pub(super) fn say(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// Says which files of the user stood where results belong, by their new names.
-pub fn tell_of_kept(paths: &[PathBuf]) {
+pub(super) fn tell_of_kept(paths: &[PathBuf]) {
     for path in paths {
         let path = path.display();
         warn(&format!(

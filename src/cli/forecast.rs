@@ -14,7 +14,7 @@ use super::study::subject;
 const CALIBRATION: (Duration, Duration) = (Duration::from_secs(40), Duration::from_secs(5));
 
 /// Says which scheme, solver and step reach an error, and what that will cost.
-pub fn run(scene: &SceneArgs, error: f64, json: bool) -> Result<(), Failure> {
+pub(super) fn run(scene: &SceneArgs, error: f64, json: bool) -> Result<(), Failure> {
     let subject = subject(&scene.scene, &scene.overrides)?;
     let options = Options {
         schemes: scene.scheme.iter().cloned().collect(),
@@ -38,7 +38,7 @@ pub fn run(scene: &SceneArgs, error: f64, json: bool) -> Result<(), Failure> {
 }
 
 /// An error, relative to the solution.
-pub fn error(text: &str) -> Result<f64, String> {
+pub(super) fn error(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(error) if error > 0.0 && error < 1.0 => Ok(error),
         _ => Err("a number between 0 and 1, such as 1e-3".to_owned()),

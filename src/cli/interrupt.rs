@@ -10,6 +10,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
 use super::exit::say;
+use super::stages::way_on;
 use crate::run::Snapshot;
 
 /// Time that a run has to notice the first signal. It looks between steps, passes and iterations, so only
@@ -23,14 +24,14 @@ const LATEST: Duration = Duration::from_millis(4000);
 static SIGNAL: AtomicI32 = AtomicI32::new(SIGINT);
 
 /// Exit code of a program that a signal ended, as shells tell it: 130 after SIGINT, 143 after SIGTERM.
-pub fn code() -> u8 {
+pub(super) fn code() -> u8 {
     128 + SIGNAL.load(Ordering::Relaxed) as u8
 }
 
 /// A flag that the first signal raises. A second one ends the program at once, and so does the first if
 /// nothing has noticed it in time: files are whole at any moment, and the state that `snapshot` was told last
 /// is written before.
-pub fn handled(snapshot: &Snapshot) -> Interrupt {
+pub(super) fn handled(snapshot: &Snapshot) -> Interrupt {
     let interrupt = Interrupt::default();
     let (seen, snapshot) = (interrupt.clone(), snapshot.clone());
     // Without a handler the program is simply ended at once.
@@ -71,7 +72,7 @@ fn watch(seen: &Interrupt, snapshot: &Snapshot) {
 fn end(snapshot: &Snapshot) {
     match snapshot.save() {
         Ok(Some((time, path))) => {
-            let folder = path.parent().unwrap_or(&path).display();
+            let folder = way_on(path.parent().unwrap_or(&path)).display();
             say(&format!(
                 "error: interrupted; the state at t = {time:.6e} s is kept: go on with `perifrac resume \
                  {folder}`"
@@ -90,7 +91,7 @@ fn end(snapshot: &Snapshot) {
 
 /// Keeps SIGHUP ignored where it was when the program started, as under `nohup`: a handler would undo that.
 /// Threads take over from the first one what is blocked, so this comes before all others.
-pub fn keep_hangups_ignored() {
+pub(super) fn keep_hangups_ignored() {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());

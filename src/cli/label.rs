@@ -9,7 +9,7 @@ const KEPT: usize = 80;
 
 /// What tells these arguments from the case itself, such as `+explicit+geometry.spacing=0.5`; empty without
 /// any. Where a name cannot hold all of it, a checksum of the whole stands at its end.
-pub fn label(args: &SceneArgs) -> String {
+pub(super) fn label(args: &SceneArgs) -> String {
     let scheme = args.scheme.iter().map(String::as_str);
     let solver = args.solver.iter().map(String::as_str);
     let words = scheme

@@ -9,7 +9,7 @@ use super::exit::Failure;
 
 /// Memory that may still be used, and what bounds it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Free {
+pub(super) struct Free {
     /// Bytes.
     pub bytes: u64,
     /// What bounds them, for messages.
@@ -20,7 +20,7 @@ pub struct Free {
 ///
 /// # Errors
 /// [`Failure::Memory`], with what is needed, for what, and what to do.
-pub fn check(need: &Memory, limit: Option<u64>) -> Result<(), Failure> {
+pub(super) fn check(need: &Memory, limit: Option<u64>) -> Result<(), Failure> {
     match shortage(need, limit) {
         Some(message) => Err(Failure::Memory(message)),
         None => Ok(()),
@@ -28,7 +28,7 @@ pub fn check(need: &Memory, limit: Option<u64>) -> Result<(), Failure> {
 }
 
 /// What is told of a run that needs more than is free, or than `limit` where the user gave one.
-pub fn shortage(need: &Memory, limit: Option<u64>) -> Option<String> {
+pub(super) fn shortage(need: &Memory, limit: Option<u64>) -> Option<String> {
     let free = match limit {
         Some(bytes) => Free {
             bytes,
@@ -67,7 +67,7 @@ fn remedy(need: &Memory) -> &'static str {
 }
 
 /// The least of what the machine has left and what limits leave; `None` where the system tells nothing.
-pub fn free(root: &Path) -> Option<Free> {
+pub(super) fn free(root: &Path) -> Option<Free> {
     let bound = |bytes: Option<u64>, bound| {
         Some(Free {
             bytes: bytes?,
@@ -160,7 +160,7 @@ fn bounded(mount: &Path, path: &str, [limit, used, idle]: Files) -> Option<u64> 
 ///
 /// # Errors
 /// What is wrong with the text.
-pub fn size(text: &str) -> Result<u64, String> {
+pub(super) fn size(text: &str) -> Result<u64, String> {
     let digits = text.trim().find(|c: char| !c.is_ascii_digit() && c != '.');
     let (number, unit) = text.trim().split_at(digits.unwrap_or(text.trim().len()));
     let factor = match unit.trim().to_lowercase().as_str() {

@@ -8,7 +8,7 @@ use super::memory;
 
 /// Arguments of `plan`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     #[cfg(feature = "study")]
@@ -22,7 +22,7 @@ pub struct Args {
 }
 
 /// Explains a scene.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
     #[cfg(feature = "study")]
     if let Some(error) = args.for_error {
         return forecast::run(&args.scene, error, args.json);

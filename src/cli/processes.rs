@@ -24,7 +24,7 @@ static JOINED: AtomicBool = AtomicBool::new(false);
 
 /// This process among those that were started together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Processes {
+pub(super) struct Processes {
     /// Number of this one, from 0.
     pub rank: usize,
     /// How many there are.
@@ -33,7 +33,7 @@ pub struct Processes {
 
 impl Processes {
     /// What the starter said; one process if there was none.
-    pub fn started() -> Self {
+    pub(super) fn started() -> Self {
         let number = |name: &str| std::env::var(name).ok()?.parse().ok();
         let known = VARIABLES.iter().find_map(|(rank, size)| {
             Some(Processes {
@@ -45,7 +45,7 @@ impl Processes {
     }
 
     /// Whether this is the one that prints.
-    pub fn leads(self) -> bool {
+    pub(super) fn leads(self) -> bool {
         self.rank == 0
     }
 
@@ -53,7 +53,7 @@ impl Processes {
     ///
     /// # Errors
     /// [`Failure::Usage`] without PETSc, or if its MPI is not that of the starter.
-    pub fn team(self) -> Result<Option<Arc<dyn Communicator>>, Failure> {
+    pub(super) fn team(self) -> Result<Option<Arc<dyn Communicator>>, Failure> {
         if self.size == 1 {
             return Ok(None);
         }
@@ -73,13 +73,13 @@ impl Processes {
     }
 
     /// Threads of each process, if the user does not say: all processors are shared out.
-    pub fn threads(self) -> Option<usize> {
+    pub(super) fn threads(self) -> Option<usize> {
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         (self.size > 1).then(|| (processors / self.size).max(1))
     }
 
     /// Ends the program. A failure ends all processes: others may wait for this one for ever.
-    pub fn leave(self, result: &Result<(), Failure>) -> ExitCode {
+    pub(super) fn leave(self, result: &Result<(), Failure>) -> ExitCode {
         let Err(failure) = result else {
             petsc_finish();
             return ExitCode::SUCCESS;

@@ -8,7 +8,7 @@ use super::exit;
 use crate::run::{Observer, Progress};
 
 /// Shows how a run goes on.
-pub struct Console {
+pub(super) struct Console {
     bar: Option<ProgressBar>,
     quiet: bool,
 }
@@ -18,7 +18,7 @@ const TICKS: u64 = 1000;
 
 impl Console {
     /// A console that shows a bar only on a terminal, and nothing if `quiet`.
-    pub fn new(quiet: bool) -> Self {
+    pub(super) fn new(quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal() && std::env::var_os("CI").is_none();
         let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::new(TICKS);
@@ -30,7 +30,7 @@ impl Console {
     }
 
     /// Removes the bar.
-    pub fn finish(&self) {
+    pub(super) fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

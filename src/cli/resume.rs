@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use crate::output::OutputError;
-use crate::plan::resolve_for;
 use crate::run::{Checkpoint, Summary};
 use crate::scene::load_str;
 
@@ -15,7 +14,7 @@ use super::stages;
 
 /// Arguments of `resume`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     /// Folder of the run
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -27,8 +26,16 @@ pub struct Args {
 }
 
 /// Goes on with a run to the same results, to the last bit, that it would have had without the stop.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if stages::is_staged(&args.folder) {
+        if let Some(path) = &args.from {
+            return Err(Failure::Usage(format!(
+                "--from {}: {} has several stages; go on with the one that the checkpoint is of by `perifrac \
+                 resume` of its own folder, and then with those after it without --from",
+                path.display(),
+                args.folder.display()
+            )));
+        }
         return stages::resume(&args.folder, &args.how);
     }
     let checkpoint = match &args.from {
@@ -62,7 +69,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 ///
 /// # Errors
 /// [`Failure`] of the run.
-pub fn go_on(
+pub(super) fn go_on(
     desk: &mut Desk<'_>,
     planned: &Planned,
     folder: &Path,
@@ -80,19 +87,17 @@ pub fn go_on(
 }
 
 /// The scene that a run in the folder had.
-pub fn resolved(folder: &Path) -> Result<String, OutputError> {
+pub(super) fn resolved(folder: &Path) -> Result<String, OutputError> {
     let path = folder.join("resolved.toml");
     std::fs::read_to_string(&path).map_err(|e| OutputError::from_io(&path, "read the scene", e))
 }
 
 /// The plan of the scene in a checkpoint.
-pub fn planned(checkpoint: &Checkpoint) -> Result<Planned, Failure> {
+pub(super) fn planned(checkpoint: &Checkpoint) -> Result<Planned, Failure> {
     let name = checkpoint.path.display().to_string();
     let record = &checkpoint.record;
     let loaded = load_str(&name, &record.scene, &record.base, &[])?;
-    let processes = Processes::started().size;
-    let plan = resolve_for(&loaded, &checkpoint.header.case, processes)?;
-    Ok(Planned { loaded, plan })
+    Ok(Planned::resolve(loaded, &checkpoint.header.case, false)?)
 }
 
 fn told_finished(args: &Args, checkpoint: &Checkpoint) -> Result<(), Failure> {

@@ -20,7 +20,7 @@ use super::{memory, stages, threads};
 
 /// Arguments of `run`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     /// Folder for the results; the next run there removes what this one writes and nothing else
@@ -33,7 +33,7 @@ pub struct Args {
 
 /// How a run is done, whether it begins or goes on.
 #[derive(Debug, clap::Args)]
-pub struct How {
+pub(super) struct How {
     /// Number of threads of each process [default: all processors, shared out]
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -92,7 +92,7 @@ impl How {
     ///
     /// # Errors
     /// [`Failure::Usage`], [`Failure::Memory`], or what the scene is refused for.
-    pub fn prepare(&self, asked: &Asked) -> Result<(), Failure> {
+    pub(super) fn prepare(&self, asked: &Asked) -> Result<(), Failure> {
         threads::set(self.threads, Processes::started().threads())?;
         for (_, planned) in asked.all() {
             memory::check(&planned.explain()?.memory, self.memory)?;
@@ -101,18 +101,18 @@ impl How {
     }
 
     /// Whether the summary is printed as JSON.
-    pub fn is_json(&self) -> bool {
+    pub(super) fn is_json(&self) -> bool {
         self.json
     }
 
     /// Whether nothing but errors is told.
-    pub fn is_quiet(&self) -> bool {
+    pub(super) fn is_quiet(&self) -> bool {
         self.quiet
     }
 }
 
 /// Runs a scene.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let asked = args.scene.ask()?;
     args.how.prepare(&asked)?;
     let folder = args
@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// What runs of one command share: processes, and what a signal does.
-pub struct Desk<'a> {
+pub(super) struct Desk<'a> {
     how: &'a How,
     /// Whether it goes on with what was begun.
     resumes: bool,
@@ -146,7 +146,7 @@ impl<'a> Desk<'a> {
     ///
     /// # Errors
     /// [`Failure::Usage`] if processes cannot be brought together.
-    pub fn new(how: &'a How) -> Result<Self, Failure> {
+    pub(super) fn new(how: &'a How) -> Result<Self, Failure> {
         let team = Processes::started().team()?;
         let snapshot = Snapshot::default();
         Ok(Desk {
@@ -162,7 +162,7 @@ impl<'a> Desk<'a> {
     ///
     /// # Errors
     /// Those of [`Writer::create`].
-    pub fn writer(&self, folder: &Path, planned: &Planned) -> Result<Writer, Failure> {
+    pub(super) fn writer(&self, folder: &Path, planned: &Planned) -> Result<Writer, Failure> {
         let resolved = planned.loaded.resolved_toml();
         Ok(match Processes::started().leads() {
             true => Writer::create(folder, &resolved)?,
@@ -174,7 +174,7 @@ impl<'a> Desk<'a> {
     ///
     /// # Errors
     /// Those of [`Writer::go_on`].
-    pub fn resumed_writer(&self, folder: &Path, resolved: &str) -> Result<Writer, Failure> {
+    pub(super) fn resumed_writer(&self, folder: &Path, resolved: &str) -> Result<Writer, Failure> {
         Ok(match Processes::started().leads() {
             true => Writer::go_on(folder, resolved)?,
             false => Writer::follow(folder, resolved),
@@ -182,7 +182,7 @@ impl<'a> Desk<'a> {
     }
 
     /// Goes on with what was begun.
-    pub fn resume(self) -> Self {
+    pub(super) fn resume(self) -> Self {
         Desk {
             resumes: true,
             ..self
@@ -190,12 +190,12 @@ impl<'a> Desk<'a> {
     }
 
     /// Whether it goes on with what was begun.
-    pub fn resumes(&self) -> bool {
+    pub(super) fn resumes(&self) -> bool {
         self.resumes
     }
 
     /// Whether nothing but errors is told.
-    pub fn is_quiet(&self) -> bool {
+    pub(super) fn is_quiet(&self) -> bool {
         self.how.quiet
     }
 
@@ -203,7 +203,7 @@ impl<'a> Desk<'a> {
     ///
     /// # Errors
     /// [`Failure`] of the run.
-    pub fn carry_out(
+    pub(super) fn carry_out(
         &mut self,
         planned: &Planned,
         mut writer: Writer,
@@ -242,7 +242,7 @@ impl<'a> Desk<'a> {
     ///
     /// # Errors
     /// [`Failure`] if it cannot be printed.
-    pub fn tell(&self, summary: &Summary, folder: &Path) -> Result<(), Failure> {
+    pub(super) fn tell(&self, summary: &Summary, folder: &Path) -> Result<(), Failure> {
         if !Processes::started().leads() {
             return Ok(());
         }

@@ -5,6 +5,6 @@ use crate::scene::json_schema;
 use super::exit::{Failure, print};
 
 /// Prints the JSON Schema of scenes.
-pub fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), Failure> {
     print(&serde_json::to_string_pretty(&json_schema()).unwrap_or_default())
 }

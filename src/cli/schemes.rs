@@ -5,6 +5,6 @@ use crate::plan::capability;
 use super::exit::{Failure, print};
 
 /// Prints what can be combined.
-pub fn run() -> Result<(), Failure> {
+pub(super) fn run() -> Result<(), Failure> {
     print(&capability::page())
 }

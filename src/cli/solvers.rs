@@ -6,10 +6,10 @@ use super::exit::{Failure, print};
 
 /// Arguments of `solvers`.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub(super) struct Args {}
 
 /// Lists solvers, preconditioners and what PETSc is there.
-pub fn run(_args: &Args) -> Result<(), Failure> {
+pub(super) fn run(_args: &Args) -> Result<(), Failure> {
     let mut text = String::from(
         "Choose with --solver NAME, --solver NAME:key=value,key=value, or\n\
          --solver \"petsc:-flag value ...\"\n\n",

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::output::CheckpointError;
-use crate::plan::{StartPlan, resolve_for};
-use crate::run::{Checkpoint, StagedFolder};
+use crate::plan::StartPlan;
+use crate::run::{Checkpoint, StagedFolder, Summary};
 use crate::scene::load_str;
 
 use super::common::{Asked, Planned};
@@ -29,15 +29,39 @@ struct Listed {
 }
 
 /// Whether a folder is that of a scene in stages.
-pub fn is_staged(folder: &Path) -> bool {
+pub(super) fn is_staged(folder: &Path) -> bool {
     folder.join(LIST).is_file()
+}
+
+/// The folder that `perifrac resume` is given to go on in that of a run: that of all stages, where the run is
+/// one of them.
+pub(super) fn way_on(folder: &Path) -> &Path {
+    let whole = folder.parent().unwrap_or(Path::new(""));
+    let stages = listed(whole).unwrap_or_default();
+    let mut folders = stages.iter().enumerate();
+    let is_stage =
+        folders.any(|(number, stage)| folder.ends_with(stage_folder(number, &stage.name)));
+    if is_stage { whole } else { folder }
+}
+
+/// Name of the folder of a stage.
+fn stage_folder(number: usize, name: &str) -> String {
+    format!("{:02}-{name}", number + 1)
+}
+
+/// The stages of a folder.
+fn listed(folder: &Path) -> Result<Vec<Listed>, Failure> {
+    let path = folder.join(LIST);
+    let unreadable = |reason: String| Failure::Usage(format!("{}: {reason}", path.display()));
+    let text = std::fs::read_to_string(&path).map_err(|error| unreadable(error.to_string()))?;
+    serde_json::from_str(&text).map_err(|error| unreadable(error.to_string()))
 }
 
 /// Runs all stages into a folder.
 ///
 /// # Errors
 /// [`Failure`] of the first stage that fails.
-pub fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(), Failure> {
+pub(super) fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(), Failure> {
     let desk = Desk::new(how)?;
     let leads = Processes::started().leads();
     let hold = match leads {
@@ -51,18 +75,12 @@ pub fn run(stages: Vec<(String, Planned)>, how: &How, folder: &Path) -> Result<(
 ///
 /// # Errors
 /// As [`run`].
-pub fn resume(folder: &Path, how: &How) -> Result<(), Failure> {
-    let path = folder.join(LIST);
-    let unreadable = |reason: String| Failure::Usage(format!("{}: {reason}", path.display()));
-    let text = std::fs::read_to_string(&path).map_err(|error| unreadable(error.to_string()))?;
-    let listed: Vec<Listed> =
-        serde_json::from_str(&text).map_err(|error| unreadable(error.to_string()))?;
-    let processes = Processes::started().size;
+pub(super) fn resume(folder: &Path, how: &How) -> Result<(), Failure> {
     let mut stages = Vec::new();
-    for stage in listed {
+    for (number, stage) in listed(folder)?.into_iter().enumerate() {
         let loaded = load_str(&stage.name, &stage.scene, &stage.base, &[])?;
-        let plan = resolve_for(&loaded, &stage.case, processes)?;
-        stages.push((stage.name, Planned { loaded, plan }));
+        let planned = Planned::resolve(loaded, &stage.case, number > 0)?;
+        stages.push((stage.name, planned));
     }
     let asked = Asked::Stages(stages);
     how.prepare(&asked)?;
@@ -106,7 +124,7 @@ fn all(
 ) -> Result<(), Failure> {
     let (mut summaries, mut folders) = (Vec::new(), Vec::new());
     for (number, (name, mut planned)) in stages.into_iter().enumerate() {
-        let own = folder.join(format!("{:02}-{name}", number + 1));
+        let own = folder.join(stage_folder(number, &name));
         if let (Some(before), Some(start)) = (folders.last(), &planned.plan.start) {
             planned.plan.start = Some(StartPlan {
                 from: PathBuf::clone(before),
@@ -124,8 +142,8 @@ fn all(
     let (Some(hold), Some(last)) = (hold, summaries.last()) else {
         return Ok(());
     };
-    let mut whole = last.clone();
-    whole["stages"] = Value::Array(summaries);
+    let mut whole = json!(last);
+    whole["stages"] = json!(summaries);
     hold.summary(&whole)?;
     match (how.is_json(), how.is_quiet()) {
         (true, _) => print(&whole.to_string()),
@@ -135,7 +153,7 @@ fn all(
 }
 
 /// Runs a stage, goes on with it, or takes its summary where it is done.
-fn one(desk: &mut Desk<'_>, planned: &Planned, folder: &Path) -> Result<Value, Failure> {
+fn one(desk: &mut Desk<'_>, planned: &Planned, folder: &Path) -> Result<Summary, Failure> {
     let kept = match desk.resumes() {
         true => begun(folder)?,
         false => None,
@@ -146,19 +164,18 @@ fn one(desk: &mut Desk<'_>, planned: &Planned, folder: &Path) -> Result<Value, F
     {
         return Ok(summary);
     }
-    let summary = match kept {
+    match kept {
         Some(checkpoint) => {
             let resolved = resolved(folder)?;
             checkpoint.check_scene(&resolved)?;
             checkpoint.check_processes(Processes::started().size)?;
-            go_on(desk, planned, folder, &resolved, checkpoint)?
+            go_on(desk, planned, folder, &resolved, checkpoint)
         }
         None => {
             let writer = desk.writer(folder, planned)?;
-            desk.carry_out(planned, writer, None)?
+            desk.carry_out(planned, writer, None)
         }
-    };
-    Ok(serde_json::to_value(&summary).unwrap_or(json!({})))
+    }
 }
 
 /// Where a stage stands; nothing if it has not begun. One that is damaged must not begin anew unasked.
@@ -170,17 +187,15 @@ fn begun(folder: &Path) -> Result<Option<Checkpoint>, Failure> {
     }
 }
 
-fn read(path: &Path) -> Option<Value> {
+fn read(path: &Path) -> Option<Summary> {
     serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
 }
 
-fn tell(how: &How, name: &str, summary: &Value) {
+fn tell(how: &How, name: &str, summary: &Summary) {
     if !how.is_quiet() && !how.is_json() {
         say(&format!(
             "stage {name}: t = {} s, {} steps, {:.2} s",
-            summary["t_end"],
-            summary["steps"],
-            summary["wall_s"].as_f64().unwrap_or(0.0)
+            summary.t_end, summary.steps, summary.wall_s
         ));
     }
 }

@@ -28,7 +28,7 @@ over-resolved one.
   perifrac study contrast two-layer
   perifrac study stability terzaghi
   perifrac study convergence mandel --schemes monolithic")]
-pub struct Args {
+pub(super) struct Args {
     /// cost: error against seconds; contrast: 1 to 1e12; stability: where schemes hold;
     /// convergence: orders in space and time
     #[arg(value_parser = PossibleValuesParser::new(study::NAMES))]
@@ -68,7 +68,7 @@ pub struct Args {
 }
 
 /// Runs a study.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let start = Instant::now();
     let Some(kind) = study::study(&args.kind) else {
         return Err(Failure::Usage(format!(

@@ -15,7 +15,7 @@ fn most() -> usize {
 ///
 /// # Errors
 /// [`Failure::Usage`].
-pub fn check_environment() -> Result<(), Failure> {
+pub(super) fn check_environment() -> Result<(), Failure> {
     let number = std::env::var(VARIABLE)
         .ok()
         .and_then(|text| text.trim().parse().ok());
@@ -26,7 +26,7 @@ pub fn check_environment() -> Result<(), Failure> {
 ///
 /// # Errors
 /// [`Failure::Usage`] for a number that cannot be.
-pub fn set(wish: Option<usize>, default: Option<usize>) -> Result<(), Failure> {
+pub(super) fn set(wish: Option<usize>, default: Option<usize>) -> Result<(), Failure> {
     let Some(threads) = wish.or(default) else {
         return Ok(());
     };

@@ -15,7 +15,7 @@ pub(crate) struct CellList<const D: usize> {
 impl<const D: usize> CellList<D> {
     /// Bins `positions` into cells of about the given edge (metres), never more than four cells a
     /// point.
-    pub fn new(positions: &[Vector<D>], edge: f64) -> Self {
+    pub(crate) fn new(positions: &[Vector<D>], edge: f64) -> Self {
         let mut low = Vector::<D>::repeat(f64::INFINITY);
         let mut high = Vector::<D>::repeat(f64::NEG_INFINITY);
         for x in positions {
@@ -77,7 +77,7 @@ impl<const D: usize> CellList<D> {
     }
 
     /// Calls `visit(index, squared distance)` for every point within `radius` of `x`.
-    pub fn within(&self, x: &Vector<D>, radius: f64, mut visit: impl FnMut(u32, f64)) {
+    pub(crate) fn within(&self, x: &Vector<D>, radius: f64, mut visit: impl FnMut(u32, f64)) {
         let low: [usize; D] = std::array::from_fn(|axis| self.along(axis, x[axis] - radius));
         let high: [usize; D] = std::array::from_fn(|axis| self.along(axis, x[axis] + radius));
         let limit = radius * radius;

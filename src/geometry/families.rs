@@ -17,7 +17,7 @@ pub(super) struct World<const D: usize> {
 impl<const D: usize> World<D> {
     /// Collects real points and all images within `reach` metres of the domain; only those that are
     /// `near`, if it is told what that means.
-    pub fn new(
+    pub(super) fn new(
         cloud: &Cloud<D>,
         images: &ImageTable<D>,
         reach: f64,
@@ -50,7 +50,7 @@ impl<const D: usize> World<D> {
     }
 
     /// Real point and image number of an index in this world.
-    pub fn origin(&self, index: u32) -> (usize, u8) {
+    pub(super) fn origin(&self, index: u32) -> (usize, u8) {
         (
             self.source[index as usize] as usize,
             self.image[index as usize],
@@ -58,7 +58,7 @@ impl<const D: usize> World<D> {
     }
 
     /// Calls `visit(index in this world, squared distance)` for all points within `radius` of `x`.
-    pub fn within(&self, x: &Vector<D>, radius: f64, visit: impl FnMut(u32, f64)) {
+    pub(super) fn within(&self, x: &Vector<D>, radius: f64, visit: impl FnMut(u32, f64)) {
         self.cells.within(x, radius, visit);
     }
 }

@@ -15,7 +15,7 @@ const MOST: f64 = 4.0;
 
 impl<const D: usize> Near<D> {
     /// Everything within `margin` metres of `points`, and some more.
-    pub fn new(points: &[Vector<D>], margin: f64) -> Self {
+    pub(super) fn new(points: &[Vector<D>], margin: f64) -> Self {
         let mut low = Vector::<D>::repeat(f64::INFINITY);
         let mut high = Vector::<D>::repeat(f64::NEG_INFINITY);
         for x in points {
@@ -46,7 +46,7 @@ impl<const D: usize> Near<D> {
     }
 
     /// Whether a place may be within the margin of one of the points; where it is not, it is not.
-    pub fn holds(&self, x: &Vector<D>) -> bool {
+    pub(super) fn holds(&self, x: &Vector<D>) -> bool {
         let mut cell = 0;
         for axis in (0..D).rev() {
             let place = (x[axis] - self.origin[axis]) * self.inverse_edge;

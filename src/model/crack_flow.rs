@@ -58,10 +58,15 @@ impl<const D: usize> CrackFlow<D> {
         }
     }
 
-    /// Brings the map of wet points and the openings to a response.
-    pub fn follow(&mut self, elastic: &Elastic<D>, response: &Response<D>) {
-        let wet: Vec<bool> = response.damage.iter().map(|s| *s > WET).collect();
+    /// Brings the openings to a response, and the map of wet points if it may change. What was wet stays so: a point
+    /// that the fluid breaks only where it is not wet would have no state at all.
+    pub fn follow(&mut self, elastic: &Elastic<D>, response: &Response<D>, may_wet: bool) {
+        let wets = |(i, s): (usize, &f64)| self.is_wet(i) || may_wet && *s > WET;
+        let wet: Vec<bool> = response.damage.iter().enumerate().map(wets).collect();
         self.opening = openings(elastic, response, &wet);
+        if !may_wet {
+            return;
+        }
         let donor = |i: usize| match wet[i] {
             true => i as u32,
             false => continues(elastic, response, &wet, i),

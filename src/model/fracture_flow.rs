@@ -135,12 +135,12 @@ impl<const D: usize> FractureFlow<D> {
     fn fill_cracks(
         &mut self,
         solid: &SolidModel<D>,
-        response: &Response<D>,
+        (response, may_wet): (&Response<D>, bool),
         flow: &mut FlowModel<D>,
         permeability: &mut [f64],
     ) {
         let Some(cracks) = &mut self.cracks else { return };
-        cracks.follow(&solid.elastic, response);
+        cracks.follow(&solid.elastic, response, may_wet);
         let evaluated = (0..flow.points()).filter(|i| cracks.is_wet(*i)).count();
         self.evaluations
             .fetch_add(evaluated as u64, Ordering::Relaxed);
@@ -176,10 +176,22 @@ impl<const D: usize> Model<D> {
         walls: &[f64],
     ) {
         let timers = self.timers.clone();
-        timers.time("flow", || self.mix_fractures(response, displacement, walls));
+        let mix = || self.mix_fractures((response, true), displacement, walls);
+        timers.time("flow", mix);
     }
 
-    fn mix_fractures(&mut self, response: &Response<D>, displacement: &[f64], walls: &[f64]) {
+    /// The same without points that become wet.
+    pub fn follow_openings(&mut self, response: &Response<D>) {
+        let timers = self.timers.clone();
+        timers.time("flow", || self.mix_fractures((response, false), &[], &[]));
+    }
+
+    fn mix_fractures(
+        &mut self,
+        (response, may_wet): (&Response<D>, bool),
+        displacement: &[f64],
+        walls: &[f64],
+    ) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),
@@ -193,7 +205,7 @@ impl<const D: usize> Model<D> {
             return;
         };
         if fracture.cracks.is_some() {
-            fracture.fill_cracks(solid, response, flow, permeability);
+            fracture.fill_cracks(solid, (response, may_wet), flow, permeability);
             return;
         }
         fracture.open(solid, response, displacement, walls);

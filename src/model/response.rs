@@ -1,6 +1,6 @@
 //! How the model responds to the fields of a state: forces of the solid, and what pores and cracks hold.
 
-use super::{Model, SolidModel};
+use super::{DRY, Model, SolidModel};
 use crate::operators::{DamageFields, Response};
 
 /// The fields of a state; those that the scene does not call for are empty.
@@ -117,6 +117,15 @@ impl<const D: usize> Model<D> {
                 }
             }
         }
+    }
+
+    /// Fluid in cracks, m^D: the opening of all points in which the pressure of a crack acts.
+    pub fn crack_volume(&self, response: &Response<D>) -> f64 {
+        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
+        let Some(cracks) = cracks else { return 0.0 };
+        let planes = response.planes.iter().zip(&self.cloud.volume);
+        let wet = planes.zip(&cracks.donor).filter(|(_, donor)| **donor != DRY);
+        wet.map(|((plane, volume), _)| plane.opening * volume).sum()
     }
 
     /// Whether cracks hold fluid of their own, so that what a state holds does not follow from increments.

@@ -2,24 +2,32 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::lenient;
 use super::motion::{Moment, Motion};
 use super::supply::{Ledger, Supply};
 
 /// Cumulative volumes over a run in m^D; rates in m^D/s for a steady state.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Balance {
     /// Brought in by wells, sources and fluxes, net.
+    #[serde(deserialize_with = "lenient")]
     pub injected: f64,
     /// Gone out through sides of prescribed pressure, net.
+    #[serde(deserialize_with = "lenient")]
     pub outflow: f64,
     /// Brought in at points of prescribed pressure, net.
+    #[serde(deserialize_with = "lenient")]
     pub fixed: f64,
     /// Gain of storage.
+    #[serde(deserialize_with = "lenient")]
     pub stored: f64,
     /// Everything that moved, in absolute amounts: the scale of `mass`.
+    #[serde(deserialize_with = "lenient")]
     pub turnover: f64,
     /// |injected + fixed − outflow − stored| over the turnover, or over what pressure or strain stored or what
     /// moved within where that is more: in a sealed body nothing goes in or out.
+    #[serde(deserialize_with = "lenient")]
     pub mass: f64,
     /// Gain of storage by pressure and by strain.
     #[serde(skip)]

@@ -1,12 +1,14 @@
 //! How much work was done: the effort that tests assert and studies compare.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use perifrac_solvers::SolverCounters;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Effort of a run. Names of effects and fields that the scene does not call for are absent.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Counters {
     /// Accepted steps.
     pub steps: u64,
@@ -38,11 +40,11 @@ pub struct Counters {
     /// Families whose stiffness was filled anew because damage changed it.
     pub refilled_families: u64,
     /// Evaluations per effect.
-    pub evaluations: BTreeMap<&'static str, u64>,
+    pub evaluations: BTreeMap<Cow<'static, str>, u64>,
     /// Bytes per field of the state.
-    pub field_bytes: BTreeMap<&'static str, usize>,
+    pub field_bytes: BTreeMap<Cow<'static, str>, usize>,
     /// Bytes of everything else, by what holds them.
-    pub bytes: BTreeMap<&'static str, usize>,
+    pub bytes: BTreeMap<Cow<'static, str>, usize>,
 }
 
 impl Counters {

@@ -1,10 +1,12 @@
 //! Wall time per phase.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use serde::Serialize;
 use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize};
 
 /// Seconds spent per named phase, in the order in which phases first ran.
 ///
@@ -18,7 +20,7 @@ pub struct Timers {
 
 #[derive(Debug, Default)]
 struct Clock {
-    phases: Vec<(&'static str, f64)>,
+    phases: Vec<(Cow<'static, str>, f64)>,
     running: Option<(&'static str, Instant)>,
 }
 
@@ -26,7 +28,7 @@ impl Clock {
     fn add(&mut self, phase: &'static str, seconds: f64) {
         match self.phases.iter_mut().find(|(name, _)| *name == phase) {
             Some((_, total)) => *total += seconds,
-            None => self.phases.push((phase, seconds)),
+            None => self.phases.push((phase.into(), seconds)),
         }
     }
 }
@@ -78,7 +80,7 @@ impl Timers {
     }
 
     /// Phases and seconds.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+    pub fn iter(&self) -> impl Iterator<Item = (Cow<'static, str>, f64)> + use<> {
         self.clock().phases.clone().into_iter()
     }
 }
@@ -91,6 +93,21 @@ impl Serialize for Timers {
             map.serialize_entry(phase, seconds)?;
         }
         map.end()
+    }
+}
+
+/// What was measured, by the names of the phases.
+impl<'de> Deserialize<'de> for Timers {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let phases = BTreeMap::<String, f64>::deserialize(deserializer)?;
+        let phases = phases.into_iter().map(|(name, time)| (name.into(), time));
+        let clock = Clock {
+            phases: phases.collect(),
+            running: None,
+        };
+        Ok(Timers {
+            clock: Arc::new(Mutex::new(clock)),
+        })
     }
 }
 
@@ -114,8 +131,11 @@ mod tests {
         });
         timers.end();
         let wall = started.elapsed().as_secs_f64();
-        let names: Vec<&str> = timers.iter().map(|(name, _)| name).collect();
-        assert_eq!((found, names), (7, vec!["other", "steps", "factor"]));
+        let names: Vec<_> = timers.iter().map(|(name, _)| name).collect();
+        assert_eq!(
+            (found, &names[..]),
+            (7, &["other", "steps", "factor"].map(Cow::from)[..])
+        );
         assert!(timers.seconds("factor") >= 0.02 && timers.seconds("steps") >= 0.02);
         let sum: f64 = timers.iter().map(|(_, seconds)| seconds).sum();
         assert!(sum <= wall && timers.seconds("steps") <= wall - 0.02);

@@ -253,7 +253,7 @@ pub(super) struct Stored {
 
 impl Stored {
     /// That of a state.
-    pub fn of<const D: usize>(model: &Model<D>, state: &State) -> Self {
+    pub(super) fn of<const D: usize>(model: &Model<D>, state: &State) -> Self {
         let Some(flow) = &model.flow else {
             return Stored::default();
         };

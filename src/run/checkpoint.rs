@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::fracture::Results;
 use super::rejections::Rejections;
 use super::scale::Scale;
+use super::summary::Name;
 use super::writer::WriterRecord;
 use super::{FieldError, Settings};
 use crate::geometry::Cloud;
@@ -51,7 +52,7 @@ pub(super) struct Course {
     pub steps: u64,
     pub rejections: Rejections,
     pub last_output: Option<f64>,
-    pub errors: Vec<(f64, Vec<(String, FieldError)>)>,
+    pub errors: Vec<(f64, BTreeMap<Name, FieldError>)>,
     /// As JSON: what is absent there has no place in postcard.
     pub results: String,
     pub broken_at: Vec<f64>,
@@ -66,7 +67,7 @@ pub(super) struct Course {
 }
 
 impl Course {
-    pub fn results(&self) -> Results {
+    pub(super) fn results(&self) -> Results {
         serde_json::from_str(&self.results).unwrap_or_default()
     }
 }
@@ -166,6 +167,20 @@ impl Checkpoint {
                 "resolved.toml beside it is another scene; put the file back, or start the run anew"
                     .to_owned(),
             )),
+        }
+    }
+
+    /// Refuses a checkpoint of a plane in space, and the other way round.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Misfit`].
+    pub(super) fn check_dimension(&self, dimension: usize) -> Result<(), CheckpointError> {
+        match self.header.dimension == dimension {
+            true => Ok(()),
+            false => Err(self.misfit(format!(
+                "its points have {} coordinates, and now they have {dimension}",
+                self.header.dimension
+            ))),
         }
     }
 
@@ -284,7 +299,7 @@ const SELDOM: Duration = Duration::from_millis(200);
 
 impl Saver {
     /// What writes into a folder as the settings ask; nothing where they ask for no checkpoints.
-    pub fn new(folder: &Path, settings: &Settings, snapshot: &Snapshot) -> Option<Self> {
+    pub(super) fn new(folder: &Path, settings: &Settings, snapshot: &Snapshot) -> Option<Self> {
         let rule = settings.checkpoints?;
         Some(Saver {
             folder: folder.to_owned(),
@@ -299,17 +314,17 @@ impl Saver {
     }
 
     /// Whether a checkpoint is due after a step.
-    pub fn is_due(&self, output: bool) -> bool {
+    pub(super) fn is_due(&self, output: bool) -> bool {
         self.saved.elapsed() >= self.every || output && self.at_outputs
     }
 
     /// Whether the state is to be told, in case the next step cannot be left.
-    pub fn is_to_tell(&self) -> bool {
+    pub(super) fn is_to_tell(&self) -> bool {
         self.told.elapsed() >= SELDOM.max(TELLING * self.cost)
     }
 
     /// Tells of a state, which took since `begun` to put together.
-    pub fn tell<const D: usize>(
+    pub(super) fn tell<const D: usize>(
         &mut self,
         at: &RunIdentity<'_, D>,
         record: &Record,
@@ -324,7 +339,7 @@ impl Saver {
     ///
     /// # Errors
     /// [`OutputError`] if it cannot be written; older ones stay.
-    pub fn save<const D: usize>(
+    pub(super) fn save<const D: usize>(
         &mut self,
         at: &RunIdentity<'_, D>,
         record: &Record,

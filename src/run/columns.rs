@@ -14,23 +14,23 @@ use super::fracture::{self, Fractures};
 use super::rejections::Rejections;
 
 /// Names of the axes.
-pub const AXES: [&str; 3] = ["x", "y", "z"];
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Columns before those of probes.
-pub const FIRST: [&str; 3] = ["time_s", "step_s", "iterations"];
+pub(super) const FIRST: [&str; 3] = ["time_s", "step_s", "iterations"];
 
 /// Heading of the pressure at a probe.
-pub fn pressure_at(probe: &str) -> String {
+pub(super) fn pressure_at(probe: &str) -> String {
     format!("pressure_{probe}_Pa")
 }
 
 /// Heading of a component of the displacement at a probe.
-pub fn displacement_at(axis: &str, probe: &str) -> String {
+pub(super) fn displacement_at(axis: &str, probe: &str) -> String {
     format!("displacement_{axis}_{probe}_m")
 }
 
 /// Heading of the largest opening of a crack.
-pub fn opening_of(crack: &str) -> String {
+fn opening_of(crack: &str) -> String {
     format!("opening_{crack}_m")
 }
 
@@ -46,7 +46,7 @@ pub fn openings<const D: usize>(model: &Model<D>, state: &State, crack: usize) -
 }
 
 /// Exact opening at the places along a crack, if the plan knows it, m.
-pub fn exact_openings<const D: usize>(
+pub(super) fn exact_openings<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
     state: &State,
@@ -63,7 +63,7 @@ pub fn exact_openings<const D: usize>(
 }
 
 /// Headings for a plan of dimension `D`.
-pub fn names<const D: usize>(plan: &Plan) -> Vec<String> {
+pub(super) fn names<const D: usize>(plan: &Plan) -> Vec<String> {
     let mut columns = FIRST.map(str::to_owned).to_vec();
     let probes = || plan.output.probes.iter();
     if plan.flow.is_some() {
@@ -117,7 +117,7 @@ fn plates<const D: usize>(mechanics: &MechanicsPlan) -> impl Iterator<Item = Sid
 }
 
 /// Values under the headings.
-pub fn row<const D: usize>(
+pub(super) fn row<const D: usize>(
     plan: &Plan,
     model: &Model<D>,
     state: &State,

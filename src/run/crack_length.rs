@@ -10,7 +10,7 @@ use crate::model::{Disc, Faces, Model, SolidModel};
 use crate::plan::{CrackPlace, CrackPlan, Plan};
 
 /// Length of the cracks that are there from the start, m; area of discs in the domain, m².
-pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
+pub(super) fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
     let of = |crack: &CrackPlan| match &crack.place {
         CrackPlace::Chain(points) => points
             .windows(2)
@@ -24,7 +24,7 @@ pub fn started<const D: usize>(plan: &Plan, model: &Model<D>) -> f64 {
 }
 
 /// 2 where all cracks lie on planes of symmetry, so that half of every band is in the domain, else 1.
-pub fn faces_of_bands<const D: usize>(model: &Model<D>) -> f64 {
+pub(super) fn faces_of_bands<const D: usize>(model: &Model<D>) -> f64 {
     let cracks = &model.places.cracks;
     let on_plane = |faces: &Vec<Faces<D>>| faces.iter().any(|faces| faces.mirrored != 0.0);
     match !cracks.is_empty() && cracks.iter().all(on_plane) {
@@ -35,7 +35,7 @@ pub fn faces_of_bands<const D: usize>(model: &Model<D>) -> f64 {
 
 /// Length of a crack through the points that `broke`, m (area in 3-D, m²), which goes on in all that is
 /// `broken`: to a tenth, and a horizon or two at a tip, where points see half of a band.
-pub fn grown<const D: usize>(
+pub(super) fn grown<const D: usize>(
     solid: &SolidModel<D>,
     broke: impl Fn(usize) -> bool,
     broken: impl Fn(usize) -> bool,

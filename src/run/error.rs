@@ -18,6 +18,9 @@ pub enum RunError {
     /// The run cannot go on from a checkpoint.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The run cannot begin with the state that `[start]` names.
+    #[error(transparent)]
+    Start(CheckpointError),
     /// A step failed and could not be cut further.
     #[error("{scheme}: {source}{}", kept(.last_output))]
     Step {

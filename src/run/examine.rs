@@ -1,7 +1,7 @@
 //! What a scene would be refused for, found before it is run: the one answer that `check`, `plan` and
 //! `run` give.
 
-use super::RunError;
+use super::{RunError, takeover};
 use crate::explain::{Explanation, Memory, explain};
 use crate::model::Model;
 use crate::plan::{Plan, TimeMode};
@@ -21,26 +21,19 @@ pub struct Examined {
     pub built: bool,
 }
 
-/// Examines a plan of dimension `D`: estimates what it takes, and builds model and scheme where that
-/// takes no more than about half a second.
+/// Examines a plan of dimension `D` for a run by so many processes: estimates what it takes, and builds model
+/// and scheme where that takes no more than about half a second.
 ///
 /// # Errors
 /// [`RunError`] as a run would give it at its start.
-pub fn examine<const D: usize>(plan: &Plan) -> Result<Examined, RunError> {
-    examine_for::<D>(plan, 1)
-}
-
-/// As [`examine`], for a run by so many processes.
-///
-/// # Errors
-/// As [`examine`].
-pub fn examine_for<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
+pub fn examine<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
     let refused = |error| RunError::refused(plan, error);
     schemes::check(plan, processes).map_err(refused)?;
     let mut explanation = explain::<D>(plan)?;
     let built = model_bytes(&explanation.memory) <= MOST_BYTES;
     if built {
-        let model = Model::<D>::build(plan, &mut Timers::default())?;
+        let mut model = Model::<D>::build(plan, &mut Timers::default())?;
+        takeover::check_start(plan, Some(&mut model), processes)?;
         if plan.time.mode == TimeMode::Transient {
             schemes::build(plan, &model).map_err(refused)?;
         }
@@ -49,6 +42,8 @@ pub fn examine_for<const D: usize>(plan: &Plan, processes: usize) -> Result<Exam
                 explanation.warnings.push(warning);
             }
         }
+    } else {
+        takeover::check_start::<D>(plan, None, processes)?;
     }
     Ok(Examined { explanation, built })
 }

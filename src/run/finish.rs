@@ -6,6 +6,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::columns::{exact_openings, openings};
+use super::summary::Name;
 use super::summary::units;
 use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
@@ -46,11 +47,11 @@ impl<const D: usize> Run<'_, D> {
         let prescribed = flow.map_or(0, |flow| flow.fixed.len());
         let mut summary = Summary {
             case: self.plan.case.clone(),
-            version: env!("CARGO_PKG_VERSION"),
+            version: env!("CARGO_PKG_VERSION").into(),
             scheme: self.scheme_name.clone(),
             solver: solver.as_ref().map(|(name, _)| name.clone()),
             solver_reason: solver.map(|(_, reason)| reason),
-            operator: flow.map_or("none", |flow| flow.operator.name()),
+            operator: flow.map_or("none", |flow| flow.operator.name()).into(),
             dimension: D,
             processes: partition.map_or(1, |own| own.team().size()),
             thickness: (D == 2).then_some(self.plan.thickness),
@@ -73,7 +74,10 @@ impl<const D: usize> Run<'_, D> {
             pressure_range: flow.map(|_| extremes(&self.state.pressure)),
             displacement_max: solid.map(|_| largest::<D>(&self.state.shown_displacement())),
             coupling: self.coupling(&counters),
-            results: self.plan.damage.map(|_| self.tracker.results.clone()),
+            results: self.plan.damage.map(|_| {
+                let pumped = self.plan.thickness * self.balance.injected;
+                self.tracker.results.clone().with_injected(pumped)
+            }),
             balance: in_slab(self.plan, &self.balance),
             consistency: flow
                 .and_then(|flow| flow.consistency)
@@ -188,12 +192,17 @@ impl<const D: usize> Run<'_, D> {
     }
 
     /// Rate of outflow per side now, m³/s.
-    fn outflow(&self) -> Option<BTreeMap<&'static str, f64>> {
+    fn outflow(&self) -> Option<BTreeMap<Name, f64>> {
         let flow = self.model.flow.as_ref()?;
         let rates = flow.outflow(&self.state.pressure, self.state.time);
         Some(
             Side::all(D)
-                .map(|side| (side.name(), self.plan.thickness * rates[side.index()]))
+                .map(|side| {
+                    (
+                        side.name().into(),
+                        self.plan.thickness * rates[side.index()],
+                    )
+                })
                 .collect(),
         )
     }
@@ -208,7 +217,7 @@ impl<const D: usize> Run<'_, D> {
     }
 
     /// Errors at the end, which is always an output.
-    fn last_errors(&self) -> BTreeMap<&'static str, FieldError> {
+    fn last_errors(&self) -> BTreeMap<Name, FieldError> {
         let now = self.state.time.to_bits();
         let last = self
             .timed_errors
@@ -218,9 +227,9 @@ impl<const D: usize> Run<'_, D> {
     }
 
     /// Errors of all fields of which the plan names an exact solution, now.
-    fn errors(&self) -> BTreeMap<&'static str, FieldError> {
+    fn errors(&self) -> BTreeMap<Name, FieldError> {
         let mut errors = BTreeMap::new();
-        errors.extend(self.opening_error().map(|e| ("opening", e)));
+        errors.extend(self.opening_error().map(|e| ("opening".into(), e)));
         let Ok(Some(exact)) = exact_pressure(self.plan) else {
             return errors;
         };
@@ -244,16 +253,16 @@ impl<const D: usize> Run<'_, D> {
         let exact = self.everywhere(1, |x, values| values[0] = exact.pressure(x, time));
         let pressure = &self.state.pressure;
         if let Ok(norms) = ErrorNorms::compare(pressure, &exact, &cloud.volume, &excluded) {
-            errors.insert("pressure", FieldError::of(&norms, self.model.level));
+            errors.insert("pressure".into(), FieldError::of(&norms, self.model.level));
         }
         if let (Ok(Some(exact)), Some(_)) = (exact_displacement(self.plan), &self.model.solid) {
             errors.extend(
                 self.displacement_error(&*exact, time)
-                    .map(|e| ("displacement", e)),
+                    .map(|e| ("displacement".into(), e)),
             );
         }
         if steady {
-            errors.extend(self.flux_error().map(|e| ("flux", e)));
+            errors.extend(self.flux_error().map(|e| ("flux".into(), e)));
         }
         errors
     }
@@ -370,11 +379,17 @@ impl<const D: usize> Run<'_, D> {
             fallbacks: scheme.fallbacks,
             searches: scheme.searches,
             refilled_families: scheme.refilled_families,
-            evaluations,
-            field_bytes: self.state.fields().into_iter().collect(),
-            bytes: model.bytes().into_iter().collect(),
+            evaluations: named(evaluations),
+            field_bytes: named(self.state.fields()),
+            bytes: named(model.bytes()),
         }
     }
+}
+
+/// Figures by name.
+fn named<T>(figures: impl IntoIterator<Item = (&'static str, T)>) -> BTreeMap<Name, T> {
+    let named = figures.into_iter();
+    named.map(|(name, figure)| (name.into(), figure)).collect()
 }
 
 /// A balance per metre of thickness as that of the slab that a plane stands for.

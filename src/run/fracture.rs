@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::effects::vector;
 use crate::geometry::{Side, Vector};
 use crate::model::{Model, driven_walls};
-use crate::plan::{CrackPlace, CrackPlan, MechanicsPlan, Plan};
+use crate::plan::{CrackPlace, CrackPlan, DamageModel, MechanicsPlan, Plan};
+use crate::report::lenient;
 use crate::schemes::{State, StepReport};
 
 use super::columns::AXES;
@@ -33,6 +34,8 @@ pub struct Fractures {
     pub pressure: Vec<(usize, f64)>,
     /// Largest opening that fluid flows through, m; with flow in fractures.
     pub aperture: Option<f64>,
+    /// Fluid in cracks, m³ (per metre of thickness as the plan has it); with flow in fractures in the split model.
+    pub volume: Option<f64>,
 }
 
 impl Fractures {
@@ -44,13 +47,13 @@ impl Fractures {
         let fresh = |i: usize| now[i] >= BROKEN && state.history[i] > damage.initial[i];
         let grown = grown(solid, fresh, |i| now[i] >= BROKEN);
         let length = started(plan, model) + grown * faces_of_bands(model);
-        let forces = match solid.walls.is_empty() {
-            true => Vec::new(),
-            false => {
-                let response = model.response(&state.view())?;
-                solid.wall_forces(&response)
-            }
+        let holds = model.has_crack_content();
+        let response = match solid.walls.is_empty() && !holds {
+            true => None,
+            false => model.response(&state.view()),
         };
+        let forces = (response.as_ref()).map_or_else(Vec::new, |own| solid.wall_forces(own));
+        let volume = response.filter(|_| holds).map(|own| model.crack_volume(&own));
         let pressure = |(number, crack): (usize, &CrackPlan)| {
             let pressure = match &crack.injection {
                 Some(_) => model.injection_pressure(number, &state.pressure),
@@ -60,6 +63,7 @@ impl Fractures {
         };
         let largest = |openings: &[f64]| openings.iter().copied().fold(0.0, f64::max);
         Some(Fractures {
+            volume: volume.map(|volume| plan.thickness * volume),
             aperture: model.fracture_flow.as_ref().map(|f| largest(&f.aperture)),
             crack_length: length,
             dissipated: plan.thickness * damage.dissipated(&model.cloud.volume, &state.history),
@@ -81,7 +85,7 @@ impl Fractures {
 }
 
 /// Headings of the figures in history.csv.
-pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<String> {
+pub(super) fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<String> {
     let wall = |(side, axis): (Side, usize)| {
         let name = format!("{side}_{}", AXES[axis]);
         [format!("motion_{name}_m"), format!("force_{name}_N")]
@@ -104,16 +108,20 @@ pub fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Stri
     names.push("dissipated_J".to_owned());
     if plan.fracture_flow.is_some() {
         names.push("aperture_max_m".to_owned());
+        if plan.damage.is_some_and(|damage| damage.model == DamageModel::Split) {
+            names.push("crack_volume_m3".to_owned());
+        }
     }
     names
 }
 
 /// Values under the headings.
-pub fn row(fractures: &Fractures) -> Vec<f64> {
+pub(super) fn row(fractures: &Fractures) -> Vec<f64> {
     let mut row: Vec<f64> = fractures.walls.iter().flatten().copied().collect();
     row.extend(fractures.pressure.iter().map(|(_, pressure)| pressure));
     row.extend([fractures.crack_length, fractures.dissipated]);
     row.extend(fractures.aperture);
+    row.extend(fractures.volume);
     row
 }
 
@@ -138,8 +146,10 @@ pub struct Results {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub initial_stiffness: Option<f64>,
     /// Energy that damage took, J.
+    #[serde(deserialize_with = "lenient")]
     pub dissipated_energy: f64,
     /// Length of all cracks, m (area in 3-D, m²).
+    #[serde(deserialize_with = "lenient")]
     pub crack_length: f64,
     /// Pressure when rock began to break, Pa: that of the crack nearest to where it broke, among the
     /// pumped ones, or without any among those of prescribed pressure.
@@ -151,6 +161,15 @@ pub struct Results {
     /// Largest pressure where fluid is pumped in, Pa.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_injection_pressure: Option<f64>,
+    /// Fluid in cracks at the end, m³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crack_volume: Option<f64>,
+    /// Fluid that was pumped in and is not in cracks, m³: what leaked into the pores and compressed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub leaked_volume: Option<f64>,
+    /// Share of what was pumped in that is in cracks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid_efficiency: Option<f64>,
     /// Name of the crack that it was pumped into.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_injection_crack: Option<String>,
@@ -187,6 +206,7 @@ impl CrackTracker {
             }
         }
         self.results.dissipated_energy = now.dissipated;
+        self.results.crack_volume = now.volume;
         self.results.crack_length = now.crack_length;
         if !broke.is_empty() && !first && self.results.onset_pressure.is_none() {
             let places: Vec<Vector<D>> = broke.iter().map(|i| model.cloud.position[*i]).collect();
@@ -236,6 +256,18 @@ impl CrackTracker {
                 results.peak_displacement = Some(millimetres);
             }
         }
+    }
+}
+
+impl Results {
+    /// The figures with what has become of the fluid that was pumped in, m³.
+    #[must_use]
+    pub fn with_injected(mut self, injected: f64) -> Self {
+        if let Some(volume) = self.crack_volume.filter(|_| injected > 0.0) {
+            self.leaked_volume = Some(injected - volume);
+            self.fluid_efficiency = Some(volume / injected);
+        }
+        self
     }
 }
 

@@ -25,11 +25,11 @@ mod writer;
 pub use checkpoint::{Checkpoint, Record, Snapshot};
 pub use columns::openings;
 pub use error::RunError;
-pub use examine::{Examined, examine, examine_for};
+pub use examine::{Examined, examine};
 pub use fracture::Results;
 pub use job::{Job, Observer, Progress};
 pub use settings::{CheckpointRule, Settings};
-pub use summary::{CouplingReport, FieldError, Summary, TimedErrors};
+pub use summary::{CouplingReport, FieldError, Name, Summary, TimedErrors};
 pub use time_loop::{run, run_job};
 pub use writer::{StagedFolder, Writer};
 

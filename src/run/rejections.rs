@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::summary::Name;
 use crate::schemes::Rejection;
 
 /// Rejected steps by reason.
@@ -27,15 +28,15 @@ impl Rejections {
     }
 
     /// Rejections by the name of their reason.
-    pub fn named(&self) -> BTreeMap<&'static str, u64> {
-        let named = Rejection::ALL.map(|reason| (reason.name(), self.of(reason)));
+    pub fn named(&self) -> BTreeMap<Name, u64> {
+        let named = Rejection::ALL.map(|reason| (reason.name().into(), self.of(reason)));
         named.into_iter().collect()
     }
 }
 
 /// What step control is told about a step, relative to what is allowed at the tolerance of the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Verdict {
+pub(super) struct Verdict {
     /// Error over the range of the pressure; `None` without an estimate.
     pub error: Option<f64>,
     /// Growth of damage over the allowed one, times the tolerance; `None` without damage.
@@ -44,7 +45,7 @@ pub struct Verdict {
 
 impl Verdict {
     /// What limits the step.
-    pub fn largest(&self) -> Option<f64> {
+    pub(super) fn largest(&self) -> Option<f64> {
         match (self.error, self.growth) {
             // NaN counts as largest.
             (Some(error), Some(growth)) if error.is_nan() || error > growth => Some(error),
@@ -53,7 +54,7 @@ impl Verdict {
     }
 
     /// Why the step is rejected, if it is.
-    pub fn reason(&self) -> Rejection {
+    pub(super) fn reason(&self) -> Rejection {
         match self.growth.is_some() && self.largest() == self.growth {
             true => Rejection::Growth,
             false => Rejection::Error,

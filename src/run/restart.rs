@@ -21,9 +21,6 @@ pub(super) struct Before {
     pub wall_s: f64,
 }
 
-/// Fields that have errors, by the names that they have in a summary.
-const FIELDS: [&str; 4] = ["pressure", "displacement", "opening", "flux"];
-
 impl<const D: usize> Run<'_, D> {
     /// What writes checkpoints, where they are wanted and this process writes files.
     pub(super) fn new_saver(&self, snapshot: &Snapshot) -> Option<Saver> {
@@ -70,7 +67,9 @@ impl<const D: usize> Run<'_, D> {
         self.steps = course.steps;
         self.rejections = course.rejections;
         self.last_output = course.last_output;
-        self.timed_errors = timed_errors(&course.errors);
+        let errors = course.errors.iter().cloned();
+        let errors = errors.map(|(time, errors)| TimedErrors { time, errors });
+        self.timed_errors = errors.collect();
         self.tracker.results = course.results();
         self.tracker.broken_at.clone_from(&course.broken_at);
         self.tracker.last = super::fracture::Fractures::of(self.plan, &self.model, &self.state);
@@ -111,11 +110,6 @@ impl<const D: usize> Run<'_, D> {
     /// Everything from which the run could go on.
     fn record(&self, scheme: &dyn Scheme<D>, march: &March) -> Option<Record> {
         let writer = self.writer.as_ref()?;
-        let errors = |at: &TimedErrors| {
-            let all = at.errors.iter();
-            let all = all.map(|(field, error)| ((*field).to_owned(), *error));
-            (at.time, all.collect())
-        };
         Some(Record {
             scene: writer.resolved().to_owned(),
             base: self.base.clone(),
@@ -132,7 +126,9 @@ impl<const D: usize> Run<'_, D> {
                 steps: self.steps,
                 rejections: self.rejections,
                 last_output: self.last_output,
-                errors: self.timed_errors.iter().map(errors).collect(),
+                errors: (self.timed_errors.iter())
+                    .map(|at| (at.time, at.errors.clone()))
+                    .collect(),
                 results: serde_json::to_string(&self.tracker.results).unwrap_or_default(),
                 broken_at: self.tracker.broken_at.clone(),
                 drawn: self.drawn,
@@ -239,16 +235,4 @@ fn identity<'a, const D: usize>(
         cloud,
         processes,
     }
-}
-
-fn timed_errors(all: &[(f64, Vec<(String, super::FieldError)>)]) -> Vec<TimedErrors> {
-    let named = |(name, error): &(String, super::FieldError)| {
-        let known = FIELDS.iter().find(|field| *field == name)?;
-        Some((*known, *error))
-    };
-    let at = |(time, errors): &(f64, Vec<(String, super::FieldError)>)| TimedErrors {
-        time: *time,
-        errors: errors.iter().filter_map(named).collect(),
-    };
-    all.iter().map(at).collect()
 }

@@ -18,7 +18,7 @@ const NOISE: f64 = 1e-10;
 
 /// Range and rounding of the pressure, Pa.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Scale {
+pub(super) struct Scale {
     /// Largest range of the changes since the start so far.
     range: f64,
     /// Change that is rounding.
@@ -27,7 +27,7 @@ pub struct Scale {
 
 impl Scale {
     /// What the data of the problem tell.
-    pub fn new<const D: usize>(plan: &Plan, model: &Model<D>) -> Self {
+    pub(super) fn new<const D: usize>(plan: &Plan, model: &Model<D>) -> Self {
         let Some(flow) = &model.flow else {
             return Scale {
                 range: 0.0,
@@ -41,17 +41,22 @@ impl Scale {
     }
 
     /// Whether the data tell of more than rounding.
-    pub fn is_known(&self) -> bool {
+    pub(super) fn is_known(&self) -> bool {
         self.range > self.noise
     }
 
     /// Takes in the pressures of an accepted state, or of one that is expected.
-    pub fn cover<const D: usize>(&mut self, model: &Model<D>, pressure: &[f64]) {
+    pub(super) fn cover<const D: usize>(&mut self, model: &Model<D>, pressure: &[f64]) {
         self.range = self.range.max(changes(model, pressure));
     }
 
     /// Error of a step that leads to `pressure`, relative to the range; zero where it is rounding.
-    pub fn relative<const D: usize>(&self, model: &Model<D>, error: f64, pressure: &[f64]) -> f64 {
+    pub(super) fn relative<const D: usize>(
+        &self,
+        model: &Model<D>,
+        error: f64,
+        pressure: &[f64],
+    ) -> f64 {
         if error <= self.noise {
             return 0.0;
         }

@@ -3,7 +3,7 @@
 use crate::plan::Plan;
 
 /// Step that fits before the next stop without leaving a sliver behind.
-pub fn clamp(dt: f64, remaining: f64) -> f64 {
+pub(super) fn clamp(dt: f64, remaining: f64) -> f64 {
     match remaining / dt {
         r if r <= 1.0 + 1e-9 => remaining,
         r if r < 2.0 - 1e-9 => 0.5 * remaining,
@@ -13,7 +13,7 @@ pub fn clamp(dt: f64, remaining: f64) -> f64 {
 
 /// A time at which a step must end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
+pub(super) struct Stop {
     /// The time, s.
     pub time: f64,
     /// Whether fields are written then.
@@ -21,7 +21,7 @@ pub struct Stop {
 }
 
 /// Output times and breakpoints of loads up to the end.
-pub struct OutputSchedule {
+pub(super) struct OutputSchedule {
     stops: std::vec::IntoIter<Stop>,
     current: Option<Stop>,
     passed: usize,
@@ -29,7 +29,7 @@ pub struct OutputSchedule {
 
 impl OutputSchedule {
     /// Schedule of a plan whose loads have the given breakpoints.
-    pub fn new(plan: &Plan, breakpoints: &[f64]) -> Self {
+    pub(super) fn new(plan: &Plan, breakpoints: &[f64]) -> Self {
         let (start, end) = (plan.time.start, plan.time.end);
         let first = start + 1e-12 * end;
         let outputs = plan
@@ -61,18 +61,18 @@ impl OutputSchedule {
     }
 
     /// The next one, if any is left.
-    pub fn next(&self) -> Option<Stop> {
+    pub(super) fn next(&self) -> Option<Stop> {
         self.current
     }
 
     /// Goes on to the one after.
-    pub fn pass(&mut self) {
+    pub(super) fn pass(&mut self) {
         self.current = self.stops.next();
         self.passed += 1;
     }
 
     /// How many are behind.
-    pub fn passed(&self) -> usize {
+    pub(super) fn passed(&self) -> usize {
         self.passed
     }
 }

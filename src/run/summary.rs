@@ -1,5 +1,6 @@
 //! What a run reports at its end; `--json` prints it and summary.json keeps it.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -7,17 +8,21 @@ use serde::{Deserialize, Serialize};
 use super::fracture::Results;
 use crate::plan::TimeMode;
 use crate::reference::ErrorNorms;
-use crate::report::{Balance, Counters, Timers};
+use crate::report::{Balance, Counters, Timers, lenient};
 use crate::schemes::StepLimit;
 
-/// Result of a run.
-#[derive(Debug, Clone, Serialize)]
+/// A name that this program knows, or one that was read.
+pub type Name = Cow<'static, str>;
+
+/// Result of a run. What an older summary did not tell is absent, zero or none.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 #[non_exhaustive]
 pub struct Summary {
     /// Name of the case.
     pub case: String,
     /// Version of the program.
-    pub version: &'static str,
+    pub version: Name,
     /// Scheme with its integrator.
     pub scheme: String,
     /// Linear solver, if one was used.
@@ -25,7 +30,7 @@ pub struct Summary {
     /// Why this solver.
     pub solver_reason: Option<String>,
     /// Diffusion operator.
-    pub operator: &'static str,
+    pub operator: Name,
     /// 2 or 3.
     pub dimension: usize,
     /// Processes that worked on it.
@@ -35,7 +40,7 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<f64>,
     /// Unit of every figure that has one, by its place in this summary.
-    pub units: BTreeMap<&'static str, &'static str>,
+    pub units: BTreeMap<Name, Name>,
     /// Points.
     pub points: usize,
     /// Unknowns of the linear system.
@@ -51,19 +56,21 @@ pub struct Summary {
     /// Rejected steps.
     pub rejected: u64,
     /// The same by reason: `error`, `growth`, `solver`, `coupling`, `balance`.
-    pub rejections: BTreeMap<&'static str, u64>,
+    pub rejections: BTreeMap<Name, u64>,
     /// Wall time of the run, s.
+    #[serde(deserialize_with = "lenient")]
     pub wall_s: f64,
     /// Time reached, s.
+    #[serde(deserialize_with = "lenient")]
     pub t_end: f64,
     /// Stability limit of an explicit scheme.
     pub limit: Option<StepLimit>,
     /// Errors per field, where an exact solution is named.
-    pub errors: BTreeMap<&'static str, FieldError>,
+    pub errors: BTreeMap<Name, FieldError>,
     /// The same at every output time, the end included.
     pub errors_over_time: Vec<TimedErrors>,
     /// Rate of outflow per side at the end, m³/s.
-    pub outflow: BTreeMap<&'static str, f64>,
+    pub outflow: BTreeMap<Name, f64>,
     /// Smallest and largest pressure at the end, Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_range: Option<[f64; 2]>,
@@ -89,7 +96,7 @@ pub struct Summary {
 }
 
 /// Units of the figures of a summary; those of flow in steady states are rates.
-pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<&'static str, &'static str> {
+pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<Name, Name> {
     let volume = match mode {
         TimeMode::Transient => "m^3",
         TimeMode::Steady => "m^3/s",
@@ -131,33 +138,38 @@ pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<&'static str, 
     units.extend(places.map(|place| (place, volume)));
     let length = if dimension == 2 { "m" } else { "m^2" };
     units.insert("results.crack_length", length);
-    units
+    let named = |(place, unit): (&'static str, &'static str)| (place.into(), unit.into());
+    units.into_iter().map(named).collect()
 }
 
 /// Errors at one output.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimedErrors {
     /// Time, s.
+    #[serde(deserialize_with = "lenient")]
     pub time: f64,
     /// Errors per field.
     #[serde(flatten)]
-    pub errors: BTreeMap<&'static str, FieldError>,
+    pub errors: BTreeMap<Name, FieldError>,
 }
 
 /// Figures of the coupling.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CouplingReport {
     /// Largest α²/(s(λ+2μ)): beyond 1 a split with lagged strain diverges.
+    #[serde(deserialize_with = "lenient")]
     pub strength: f64,
     /// Largest consolidation coefficient κ/(s + α²/(λ+2μ)), m²/s.
+    #[serde(deserialize_with = "lenient")]
     pub consolidation: f64,
     /// Restriction of the step by Eq. 71 with ½ and the spacing as the length, s. The implicit schemes
     /// need not keep it.
+    #[serde(deserialize_with = "lenient")]
     pub step_limit: f64,
     /// Passes between flow and mechanics over the run.
     pub passes: u64,
     /// Largest contraction between the first two passes of a stage; only without acceleration.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contraction: Option<f64>,
 }
 
@@ -165,12 +177,16 @@ pub struct CouplingReport {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FieldError {
     /// Root mean square error relative to the range of the exact field.
+    #[serde(deserialize_with = "lenient")]
     pub l2: f64,
     /// Norm of the error over the norm of the exact field (both root mean square).
+    #[serde(deserialize_with = "lenient")]
     pub l2_over_norm: f64,
     /// Largest error relative to the range of the exact field.
+    #[serde(deserialize_with = "lenient")]
     pub max: f64,
     /// Range of the exact field over the compared points.
+    #[serde(deserialize_with = "lenient")]
     pub range: f64,
     /// Points compared.
     pub compared: usize,

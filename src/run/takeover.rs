@@ -13,7 +13,7 @@ use crate::schemes::State;
 /// checkpoint of its own takes over the same state as it did at its beginning.
 ///
 /// # Errors
-/// [`RunError::Checkpoint`] if there is no such state or it does not fit.
+/// [`RunError::Start`] if there is no such state or it does not fit.
 pub(super) fn initial_state<const D: usize>(
     plan: &Plan,
     from: Option<&Checkpoint>,
@@ -31,6 +31,79 @@ pub(super) fn initial_state<const D: usize>(
         }
         return Ok(initial);
     }
+    let state = take_over(start, initial, model, processes).map_err(RunError::Start)?;
+    if let Some(flow) = &mut model.flow {
+        flow.initial.clone_from(&state.pressure);
+    }
+    Ok(state)
+}
+
+/// Refuses a start that a run of the plan would refuse. Without a model, only what the checkpoint says of
+/// itself is compared.
+///
+/// # Errors
+/// [`RunError::Start`].
+pub(super) fn check_start<const D: usize>(
+    plan: &Plan,
+    model: Option<&mut Model<D>>,
+    processes: usize,
+) -> Result<(), RunError> {
+    let Some(start) = &plan.start else {
+        return Ok(());
+    };
+    let then = match model {
+        Some(model) => initial_state(plan, None, model, processes)?.time,
+        None => {
+            let checkpoint = Checkpoint::open(&start.from).map_err(RunError::Start)?;
+            let fits = checkpoint.check_processes(processes);
+            let fits = fits.and_then(|()| checkpoint.check_dimension(D));
+            fits.map_err(RunError::Start)?;
+            match start.keeps_clock {
+                true => checkpoint.header.time,
+                false => 0.0,
+            }
+        }
+    };
+    check_time(plan, then)
+}
+
+/// The plan with the time that the run begins with.
+///
+/// # Errors
+/// [`RunError::Start`] if that is beyond its end.
+pub(super) fn at_its_time(
+    plan: &Plan,
+    from: Option<&Checkpoint>,
+    state: &State,
+) -> Result<Plan, RunError> {
+    let mut plan = plan.clone();
+    plan.time.start = from.map_or(state.time, |checkpoint| checkpoint.record.course.start);
+    check_time(&plan, plan.time.start)?;
+    Ok(plan)
+}
+
+/// Refuses a start at or beyond the end.
+fn check_time(plan: &Plan, begin: f64) -> Result<(), RunError> {
+    let end = plan.time.end;
+    match &plan.start {
+        Some(start) if begin >= end => Err(RunError::Start(CheckpointError::Misfit {
+            path: start.from.clone(),
+            reason: format!(
+                "it ends at t = {begin:e} s, and time.end = {end:e} s is not later; raise time.end, or set \
+                 start.clock = \"reset\""
+            ),
+        })),
+        _ => Ok(()),
+    }
+}
+
+/// The state that the plan names, with the fields that the model calls for.
+fn take_over<const D: usize>(
+    start: &StartPlan,
+    initial: State,
+    model: &mut Model<D>,
+    processes: usize,
+) -> Result<State, CheckpointError> {
     let checkpoint = Checkpoint::open(&start.from)?;
     checkpoint.check_processes(processes)?;
     checkpoint.check_cloud(&model.cloud)?;
@@ -39,36 +112,10 @@ pub(super) fn initial_state<const D: usize>(
         start,
         model,
     };
+    let inertia = taken.inertia(&initial)?;
     let state = taken.state(initial)?;
-    if let Some(flow) = &mut model.flow {
-        flow.initial.clone_from(&state.pressure);
-    }
+    model.warnings.extend(inertia);
     Ok(state)
-}
-
-/// The plan with the time that the run begins with.
-///
-/// # Errors
-/// [`RunError::Checkpoint`] if that is beyond its end.
-pub(super) fn at_its_time(
-    plan: &Plan,
-    from: Option<&Checkpoint>,
-    state: &State,
-) -> Result<Plan, RunError> {
-    let mut plan = plan.clone();
-    plan.time.start = from.map_or(state.time, |checkpoint| checkpoint.record.course.start);
-    let (begin, end) = (plan.time.start, plan.time.end);
-    match &plan.start {
-        Some(start) if begin >= end => Err(CheckpointError::Misfit {
-            path: start.from.clone(),
-            reason: format!(
-                "it ends at t = {begin:e} s, and time.end = {end:e} s is not later; raise time.end, or set \
-                 start.clock = \"reset\""
-            ),
-        }
-        .into()),
-        _ => Ok(plan),
-    }
 }
 
 /// A component of a side that moves, and its place, m.
@@ -82,7 +129,7 @@ struct Taken<'a, const D: usize> {
 
 impl<const D: usize> Taken<'_, D> {
     /// The initial state with the fields that are taken over.
-    fn state(&self, initial: State) -> Result<State, RunError> {
+    fn state(&self, initial: State) -> Result<State, CheckpointError> {
         let then = &self.checkpoint.record.state;
         self.check_parts(&initial)?;
         let or = |own: &[f64], initial: Vec<f64>| match own.is_empty() {
@@ -138,7 +185,7 @@ impl<const D: usize> Taken<'_, D> {
     }
 
     /// Refuses to lose a field that the state has and the scene does not compute.
-    fn check_parts(&self, initial: &State) -> Result<(), RunError> {
+    fn check_parts(&self, initial: &State) -> Result<(), CheckpointError> {
         let then = &self.checkpoint.record.state;
         let parts = [
             (&then.pressure, &initial.pressure, "a pressure", "[flow]"),
@@ -160,12 +207,32 @@ impl<const D: usize> Taken<'_, D> {
         Ok(())
     }
 
-    fn misfit(&self, reason: String) -> RunError {
-        self.checkpoint.misfit(reason).into()
+    /// Refuses to stop rock that moves, and tells where one of both runs has no inertia.
+    fn inertia(&self, initial: &State) -> Result<Option<String>, CheckpointError> {
+        let then = &self.checkpoint.record.state;
+        let path = self.checkpoint.path.display();
+        let fastest = then.velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        match (then.velocity.is_empty(), initial.velocity.is_empty()) {
+            (false, true) if fastest > 0.0 => Err(self.misfit(format!(
+                "its rock moves, at up to {fastest:.1e} m/s, which a scene without inertia would forget; set \
+                 mechanics.mode = \"dynamic\", or start from a state at rest"
+            ))),
+            (false, true) => Ok(Some(format!(
+                "{path} is of a run with inertia and this one is without; its rock was at rest, so nothing is lost"
+            ))),
+            (true, false) if !then.displacement.is_empty() => Ok(Some(format!(
+                "{path} is of a run without inertia: the rock, which moves from now on, starts at rest"
+            ))),
+            _ => Ok(None),
+        }
+    }
+
+    fn misfit(&self, reason: String) -> CheckpointError {
+        self.checkpoint.misfit(reason)
     }
 
     /// Places of the sides that move, m; those that did not move before are at 0.
-    fn walls(&self, initial: &State) -> Result<Vec<f64>, RunError> {
+    fn walls(&self, initial: &State) -> Result<Vec<f64>, CheckpointError> {
         let before = self.walls_before(&self.checkpoint.record.state.walls)?;
         let own = self.own_walls();
         let lost = before
@@ -183,7 +250,7 @@ impl<const D: usize> Taken<'_, D> {
     }
 
     /// Places of the sides that move from which outputs count, m; empty where they count from none.
-    fn datum_walls(&self) -> Result<Vec<f64>, RunError> {
+    fn datum_walls(&self) -> Result<Vec<f64>, CheckpointError> {
         let then = &self.checkpoint.record.state;
         match then.datum.is_empty() {
             true => Ok(Vec::new()),
@@ -201,7 +268,7 @@ impl<const D: usize> Taken<'_, D> {
     }
 
     /// Sides that moved in the run that is taken over, with `places` of theirs, m.
-    fn walls_before(&self, places: &[f64]) -> Result<Vec<Placed>, RunError> {
+    fn walls_before(&self, places: &[f64]) -> Result<Vec<Placed>, CheckpointError> {
         let Record { scene, base, .. } = &self.checkpoint.record;
         if places.is_empty() {
             return Ok(Vec::new());

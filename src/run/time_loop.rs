@@ -59,6 +59,7 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
     let mut timers = Timers::default();
     timers.begin("other");
     let mut model = Model::<D>::build_with(plan, team, &mut timers)?;
+    let state = takeover::initial_state(plan, from.as_ref(), &mut model, processes)?;
     let warnings: Vec<String> = plan
         .warnings
         .iter()
@@ -67,7 +68,6 @@ pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, St
         .chain(super::writer::undrawn(plan, writer.as_deref()))
         .collect();
     warnings.iter().for_each(|warning| observer.warn(warning));
-    let state = takeover::initial_state(plan, from.as_ref(), &mut model, processes)?;
     let plan = &takeover::at_its_time(plan, from.as_ref(), &state)?;
     let mut run = Run {
         plan,

@@ -72,7 +72,7 @@ pub(super) struct Draft {
 
 impl Draft {
     /// Every rule of every section in which there is no fault yet.
-    pub fn check(&self, scene: &Context<'_>) -> Vec<Diagnostic> {
+    pub(super) fn check(&self, scene: &Context<'_>) -> Vec<Diagnostic> {
         let mut report = Report::default();
         self.check_presence(scene, &mut report);
         check(&self.geometry, scene, &mut report);
@@ -135,7 +135,7 @@ impl Draft {
     }
 
     /// The scene, if all that it needs is there.
-    pub fn finish(self) -> Option<Scene> {
+    pub(super) fn finish(self) -> Option<Scene> {
         Some(Scene {
             title: self.title?.value,
             description: self.description,

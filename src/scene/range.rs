@@ -27,12 +27,12 @@ pub(super) struct Range {
 
 impl Range {
     /// Reports a value outside.
-    pub fn check<D: Dimension>(&self, number: Quantity<D>, report: &mut Report) {
+    pub(super) fn check<D: Dimension>(&self, number: Quantity<D>, report: &mut Report) {
         self.check_value(number.value(), number.span(), report);
     }
 
     /// Reports a count outside.
-    pub fn check_count(&self, count: Spanned<u64>, report: &mut Report) {
+    pub(super) fn check_count(&self, count: Spanned<u64>, report: &mut Report) {
         self.check_value(count.value as f64, count.span, report);
     }
 

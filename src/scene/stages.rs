@@ -97,6 +97,13 @@ fn split(file: &str, text: &str) -> Result<Split, SceneErrors> {
                 "stage {number} has no name of letters, digits, - and _"
             ));
         };
+        let from = entry.get("start").and_then(|start| start.get("from"));
+        if number > 0 && from.is_some() {
+            return refuse(format!(
+                "stage \"{name}\" starts from the stage before, and `start.from` names another state; leave it \
+                 out, or run the stage as a scene of its own"
+            ));
+        }
         if !seen.insert(name) {
             return refuse(format!("two stages are called \"{name}\""));
         }
@@ -250,6 +257,11 @@ end = "3 s"
                 "[stages.time]",
                 "[solver]",
                 "[solver] stands after the first stage",
+            ),
+            (
+                "[stages.time]",
+                "[stages.start]\nfrom = \"elsewhere\"\n[stages.time]",
+                "stage \"second\" starts from the stage before",
             ),
         ] {
             let message = load(&SCENE.replacen(old, new, 1)).unwrap_err();

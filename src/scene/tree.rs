@@ -53,7 +53,7 @@ pub(super) enum Step {
 }
 
 impl Node {
-    pub fn new(value: Value, span: Span) -> Self {
+    pub(super) fn new(value: Value, span: Span) -> Self {
         Self {
             value,
             span,
@@ -61,7 +61,7 @@ impl Node {
         }
     }
 
-    pub fn table(&self) -> Option<&Table> {
+    pub(super) fn table(&self) -> Option<&Table> {
         match &self.value {
             Value::Table(table) => Some(table),
             _ => None,
@@ -69,7 +69,7 @@ impl Node {
     }
 
     /// Passes the value at the end of the path over from now on.
-    pub fn mark_faulty(&mut self, path: &[Step]) {
+    pub(super) fn mark_faulty(&mut self, path: &[Step]) {
         let Some((step, rest)) = path.split_first() else {
             self.faulty = true;
             return;
@@ -86,7 +86,7 @@ impl Node {
     }
 
     /// The value at the end of a path.
-    pub fn descend(&self, path: &[Step]) -> Option<&Self> {
+    pub(super) fn descend(&self, path: &[Step]) -> Option<&Self> {
         path.iter()
             .try_fold(self, |node, step| match (step, &node.value) {
                 (Step::Key(key), Value::Table(table)) => table.get(key).map(|item| &item.node),
@@ -97,11 +97,11 @@ impl Node {
 }
 
 impl Table {
-    pub fn get(&self, key: &str) -> Option<&Item> {
+    pub(super) fn get(&self, key: &str) -> Option<&Item> {
         self.entries.iter().find(|item| item.key == key)
     }
 
-    pub fn get_mut(&mut self, key: &str) -> Option<&mut Item> {
+    pub(super) fn get_mut(&mut self, key: &str) -> Option<&mut Item> {
         self.entries.iter_mut().find(|item| item.key == key)
     }
 }

@@ -30,7 +30,7 @@ pub(super) struct Context<'a> {
 
 impl<'a> Context<'a> {
     /// The section, if it was typed and could be read as a whole.
-    pub fn sound<T: Section>(&self, section: &'a Option<Spanned<T>>) -> Option<&'a T> {
+    pub(super) fn sound<T: Section>(&self, section: &'a Option<Spanned<T>>) -> Option<&'a T> {
         section
             .as_ref()
             .filter(|_| !self.faulty.contains(T::NAME))
@@ -38,19 +38,19 @@ impl<'a> Context<'a> {
     }
 
     /// Whether the section was typed, with faults or without.
-    pub fn has<T: Section>(&self, section: &Option<Spanned<T>>) -> bool {
+    pub(super) fn has<T: Section>(&self, section: &Option<Spanned<T>>) -> bool {
         section.is_some() || self.faulty.contains(T::NAME)
     }
 
     /// Space dimension, where the geometry tells it.
-    pub fn dimension(&self) -> Option<usize> {
+    pub(super) fn dimension(&self) -> Option<usize> {
         self.sound(&self.draft.geometry)?
             .dimension()
             .filter(|dimension| (2..=3).contains(dimension))
     }
 
     /// Corners of the domain, where the geometry tells them.
-    pub fn bounds(&self) -> Option<Bounds> {
+    pub(super) fn bounds(&self) -> Option<Bounds> {
         let bounds = self.sound(&self.draft.geometry)?.bounds()?;
         bounds
             .min
@@ -68,36 +68,36 @@ pub(super) struct Report {
 }
 
 impl Report {
-    pub fn add(&mut self, fault: Diagnostic) {
+    pub(super) fn add(&mut self, fault: Diagnostic) {
         self.faults.push(fault);
     }
 
-    pub fn positive<D: Dimension>(&mut self, name: &str, quantity: Quantity<D>) {
+    pub(super) fn positive<D: Dimension>(&mut self, name: &str, quantity: Quantity<D>) {
         if quantity.value() <= 0.0 {
             self.add(Diagnostic::new(format!("`{name}` must be positive")).at(quantity.span()));
         }
     }
 
-    pub fn all_positive<D: Dimension>(&mut self, name: &str, list: &[Quantity<D>]) {
+    pub(super) fn all_positive<D: Dimension>(&mut self, name: &str, list: &[Quantity<D>]) {
         list.iter()
             .for_each(|quantity| self.positive(name, *quantity));
     }
 
-    pub fn not_negative<D: Dimension>(&mut self, name: &str, quantity: Quantity<D>) {
+    pub(super) fn not_negative<D: Dimension>(&mut self, name: &str, quantity: Quantity<D>) {
         if quantity.value() < 0.0 {
             self.add(Diagnostic::new(format!("`{name}` must not be negative")).at(quantity.span()));
         }
     }
 
     /// Other sections without which `section` has no meaning, and whether they were typed.
-    pub fn needs(&mut self, section: &str, place: Span, others: &[(&str, bool)]) {
+    pub(super) fn needs(&mut self, section: &str, place: Span, others: &[(&str, bool)]) {
         for (other, _) in others.iter().filter(|(_, typed)| !typed) {
             let fault = Diagnostic::new(format!("{section} needs {other}")).at(place);
             self.add(fault.help(format!("add {other}, or leave {section} out")));
         }
     }
 
-    pub fn at_least(&mut self, name: &str, number: Spanned<u64>, low: u64) {
+    pub(super) fn at_least(&mut self, name: &str, number: Spanned<u64>, low: u64) {
         if number.value < low {
             let message = format!("`{name}` must be at least {low}, found {}", number.value);
             self.add(Diagnostic::new(message).at(number.span));
@@ -105,7 +105,7 @@ impl Report {
     }
 
     /// As many components as the domain has dimensions; true if so or if that is not known.
-    pub fn vector<T>(
+    pub(super) fn vector<T>(
         &mut self,
         name: &str,
         vector: &Spanned<Vec<T>>,
@@ -126,7 +126,7 @@ impl Report {
     }
 
     /// The right number of components, and in the domain where that is known.
-    pub fn position(&mut self, name: &str, at: &Spanned<Vec<Length>>, scene: &Context<'_>) {
+    pub(super) fn position(&mut self, name: &str, at: &Spanned<Vec<Length>>, scene: &Context<'_>) {
         if !self.vector(name, at, scene.dimension()) {
             return;
         }
@@ -143,7 +143,7 @@ impl Report {
     }
 
     /// `min` below `max` along every axis.
-    pub fn corners(
+    pub(super) fn corners(
         &mut self,
         min: &Spanned<Vec<Length>>,
         max: &Spanned<Vec<Length>>,
@@ -165,7 +165,7 @@ impl Report {
         }
     }
 
-    pub fn shape(&mut self, shape: &Shape, scene: &Context<'_>) {
+    pub(super) fn shape(&mut self, shape: &Shape, scene: &Context<'_>) {
         let dimension = scene.dimension();
         match shape {
             Shape::Box(shape) => self.corners(&shape.min, &shape.max, dimension),
@@ -195,7 +195,7 @@ impl Report {
     }
 
     /// Times that increase, a value for each; in a steady run no change in time.
-    pub fn load<D: Dimension>(&mut self, load: &Load<D>, scene: &Context<'_>) {
+    pub(super) fn load<D: Dimension>(&mut self, load: &Load<D>, scene: &Context<'_>) {
         let steady = scene
             .sound(&scene.draft.time)
             .is_some_and(|time| time.is_steady());
@@ -222,7 +222,7 @@ impl Report {
     }
 
     /// A file name with one of the endings.
-    pub fn file(&mut self, name: &str, path: &Spanned<String>, endings: &[&str]) {
+    pub(super) fn file(&mut self, name: &str, path: &Spanned<String>, endings: &[&str]) {
         let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending);
         if !endings
             .iter()
@@ -234,7 +234,7 @@ impl Report {
     }
 
     /// Names that can stand in file names and column headings.
-    pub fn names<T>(&mut self, named: &Named<T>) {
+    pub(super) fn names<T>(&mut self, named: &Named<T>) {
         for entry in named {
             let sound = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
             if entry.name.is_empty() || !entry.name.chars().all(sound) {
@@ -246,7 +246,7 @@ impl Report {
     }
 
     /// At most one of several keys; `true` if there is exactly one.
-    pub fn at_most_one(&mut self, given: &[(&str, Option<Span>)]) -> bool {
+    pub(super) fn at_most_one(&mut self, given: &[(&str, Option<Span>)]) -> bool {
         let mut typed = given
             .iter()
             .filter_map(|(name, span)| span.map(|span| (*name, span)));

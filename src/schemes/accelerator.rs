@@ -11,7 +11,7 @@ const DEPTH: usize = 5;
 
 /// Chooses the next guess from those before: the content mixes like the pressure, because the solid
 /// is linear in it.
-pub struct Accelerator {
+pub(super) struct Accelerator {
     kind: Acceleration,
     /// Guesses and what they led to, the newest last.
     past: Vec<(Predictor, Predictor)>,
@@ -21,7 +21,7 @@ pub struct Accelerator {
 
 impl Accelerator {
     /// Nothing remembered yet.
-    pub fn new(kind: Acceleration) -> Self {
+    pub(super) fn new(kind: Acceleration) -> Self {
         Accelerator {
             kind,
             past: Vec::new(),
@@ -30,7 +30,7 @@ impl Accelerator {
     }
 
     /// The next guess after `guess` led to `found`; `weight` (shape `(n,)`) is the norm's.
-    pub fn next(&mut self, guess: Predictor, found: Predictor, weight: &[f64]) -> Predictor {
+    pub(super) fn next(&mut self, guess: Predictor, found: Predictor, weight: &[f64]) -> Predictor {
         if self.kind == Acceleration::None {
             return found;
         }
@@ -90,7 +90,7 @@ impl Accelerator {
 }
 
 /// Shares, with sum one, of the combination of `residuals` that is smallest in the norm of `inner`.
-pub fn smallest(residuals: &[Vec<f64>], inner: impl Fn(&[f64], &[f64]) -> f64) -> Vec<f64> {
+pub(super) fn smallest(residuals: &[Vec<f64>], inner: impl Fn(&[f64], &[f64]) -> f64) -> Vec<f64> {
     let Some((newest, older)) = residuals.split_last() else {
         return Vec::new();
     };

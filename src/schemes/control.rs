@@ -71,11 +71,6 @@ impl StepControl {
         self.dt
     }
 
-    /// Whether steps are constant.
-    pub fn is_fixed(&self) -> bool {
-        self.fixed
-    }
-
     /// Judges a step of `tried` seconds by its error relative to the field's range; sets the next
     /// step. True accepts.
     ///

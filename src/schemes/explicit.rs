@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::implicit::{close_fixed, weighted_flows};
 use super::memory::GrowthMonitor;
 use super::quasi_static::growth;
-use super::stage::{Stage, Target};
+use super::stage::{self, Stage, Target};
 use super::{
     Memory, Scheme, SchemeCounters, Staggered, State, StepError, StepLimit, StepReport,
     diffusion_limit, flow_of,
@@ -302,17 +302,9 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
     }
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
-        let wanted = model
-            .coupling
-            .as_ref()
-            .is_some_and(|coupling| coupling.undrained_start);
         match &mut self.passes {
-            Some(passes) if wanted => {
-                Stage::start(passes, model, state)?;
-                Stage::remember(passes, &mut state.memory);
-                Ok(())
-            }
-            _ => Ok(()),
+            Some(passes) => stage::start(passes, model, state),
+            None => Ok(()),
         }
     }
 

@@ -8,7 +8,7 @@
 use perifrac_solvers::dot;
 
 use super::memory::Timed;
-use super::stage::{Stage, Target};
+use super::stage::{self, Stage, Target};
 use super::{Increment, Memory, Scheme, SchemeCounters, State, StepError, StepReport, flow_of};
 use crate::model::{FlowModel, Model};
 use crate::plan::Integrator;
@@ -237,16 +237,7 @@ impl<const D: usize> Scheme<D> for Implicit<D> {
     }
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
-        if !model
-            .coupling
-            .as_ref()
-            .is_some_and(|coupling| coupling.undrained_start)
-        {
-            return Ok(());
-        }
-        self.stage.start(model, state)?;
-        self.stage.remember(&mut state.memory);
-        Ok(())
+        stage::start(&mut *self.stage, model, state)
     }
 
     fn step(

@@ -121,7 +121,7 @@ impl Layout {
     }
 
     /// K and −c Q in their places.
-    pub fn template<const D: usize>(
+    fn template<const D: usize>(
         &self,
         matrix: &CsrMatrix,
         solid: &SolidModel<D>,

@@ -10,11 +10,13 @@ use perifrac_solvers::{dot, multiply, norm2};
 use serde::{Deserialize, Serialize};
 
 use crate::model::FlowModel;
+use crate::report::lenient;
 
 /// A stability limit and where it comes from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepLimit {
     /// Largest stable step, s.
+    #[serde(deserialize_with = "lenient")]
     pub dt: f64,
     /// What limits it.
     pub reason: Cow<'static, str>,
@@ -40,7 +42,7 @@ pub fn diffusion_limit<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> 
 ///
 /// Where the split overestimates the strain, the pressure swings, and the swings fade over tens of
 /// steps: their periods take a tenth of the limit of diffusion alone.
-pub fn lagged_limit<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> StepLimit {
+pub(super) fn lagged_limit<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> StepLimit {
     let (point, bound) = fastest_exchange(flow, storage);
     StepLimit {
         reason: "a tenth of the diffusion limit (Eq. 63 with storage and the compliance of fractures), so that \

@@ -9,7 +9,8 @@
 //! entries of both blocks of one size, so that residuals mean something for both.
 
 use perifrac_solvers::{
-    Coordinates, Demand, LinearSolver, NearNullspace, Problem, SolveError, Symmetry,
+    Coordinates, Demand, LinearSolver, NearNullspace, Problem, SolveError, SolverCounters,
+    SolverSpec, Symmetry,
 };
 
 use super::layout::BlockMatrix;
@@ -19,7 +20,8 @@ use super::solid::{
 use super::stage::{Stage, Target};
 use super::system::{FILTERED, kept_if_same};
 use super::{
-    Increment, Memory, SchemeCounters, State, StepError, StepReport, coupling_of, flow_of, solid_of,
+    Assembled, Increment, Memory, SchemeCounters, SolidSolver, State, StepError, StepReport,
+    coupling_of, flow_of, solid_of,
 };
 use crate::model::{Drive, Model, SolidModel};
 
@@ -32,6 +34,8 @@ pub struct Monolithic {
     coefficient: Option<f64>,
     /// Coefficient at the start of the step, which stays as long as it is wanted.
     kept: Option<f64>,
+    /// Work of the start.
+    mechanics: Option<SolverCounters>,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
 }
@@ -75,6 +79,7 @@ impl Monolithic {
             border: BorderedSystem::default(),
             coefficient: None,
             kept: None,
+            mechanics: None,
             leak: flow_of(model)?.leak(),
         })
     }
@@ -372,8 +377,23 @@ impl<const D: usize> Stage<D> for Monolithic {
         Ok(())
     }
 
+    /// Displacement alone, once, by the solver that suits it best.
+    fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        let once = Demand {
+            spec: SolverSpec::default(),
+            solves: 1,
+        };
+        let mut solid = Assembled::new(&once, solid_of(model)?)?;
+        solid.equilibrate(model, state)?;
+        let work = SolidSolver::<D>::counters(&solid).mechanics;
+        // Loads that begin later leave the rock at rest.
+        self.mechanics = work.filter(|work| work.solves > 0);
+        Ok(())
+    }
+
     fn counters(&self) -> SchemeCounters {
         SchemeCounters {
+            mechanics: self.mechanics.clone(),
             solver: self.solver.counters().clone(),
             ..SchemeCounters::default()
         }

@@ -114,7 +114,7 @@ impl Assembled {
 }
 
 /// The linear problem of mechanics alone; `coordinates` are those of the points.
-pub fn mechanics_problem<'a, const D: usize>(
+pub(super) fn mechanics_problem<'a, const D: usize>(
     solid: &'a SolidModel<D>,
     coordinates: &'a [f64],
     solves: usize,
@@ -134,7 +134,7 @@ pub fn mechanics_problem<'a, const D: usize>(
 }
 
 /// Largest (λ + 2μ)/μ of all points.
-pub fn volume_stiffness<const D: usize>(solid: &SolidModel<D>) -> f64 {
+pub(super) fn volume_stiffness<const D: usize>(solid: &SolidModel<D>) -> f64 {
     let ratios = solid
         .elastic
         .lame
@@ -144,13 +144,13 @@ pub fn volume_stiffness<const D: usize>(solid: &SolidModel<D>) -> f64 {
 }
 
 /// A linear solver and why it was chosen.
-pub type Chosen = (String, String);
+pub(super) type Chosen = (String, String);
 
 /// Builds the solver of a spec for a problem, timed by `timers`; `auto` is chosen by the problem.
 ///
 /// # Errors
 /// [`StepError`] if the solver is refused.
-pub fn build_solver(
+pub(super) fn build_solver(
     spec: &SolverSpec,
     problem: &Problem<'_>,
     timers: &Timers,
@@ -168,7 +168,7 @@ pub fn build_solver(
 }
 
 /// Largest over smallest of positive numbers; 1 without any.
-pub fn ratio(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn ratio(values: impl Iterator<Item = f64>) -> f64 {
     let start = (f64::INFINITY, 0.0_f64);
     let (low, high) = values
         .filter(|value| *value > 0.0)
@@ -179,7 +179,7 @@ pub fn ratio(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Stiffness among the plates.
-pub fn plate_stiffness<const D: usize>(solid: &SolidModel<D>) -> DMatrix<f64> {
+pub(super) fn plate_stiffness<const D: usize>(solid: &SolidModel<D>) -> DMatrix<f64> {
     let plates = solid.plates();
     DMatrix::from_fn(plates.len(), plates.len(), |k, l| {
         solid.wall_stiffness[(plates[k], plates[l])]
@@ -193,7 +193,6 @@ impl<const D: usize> SolidSolver<D> for Assembled {
 
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError> {
         let solid = solid_of(model)?;
-        self.prepare(solid)?;
         solid.place_walls(state.time, &mut state.walls);
         let mut iterations = 0;
         let (mut last, mut moved) = (f64::INFINITY, f64::INFINITY);
@@ -215,6 +214,7 @@ impl<const D: usize> SolidSolver<D> for Assembled {
                 };
             }
             last = left;
+            self.prepare(solid)?;
             let (inner, change) = self.correct(solid, at, state)?;
             iterations += 1 + inner;
             moved = norm2(&change) / norm2(&state.displacement).max(f64::MIN_POSITIVE);
@@ -317,7 +317,7 @@ impl Assembled {
 
 /// A few unknowns beyond the factored matrix A: [A B; Bᵀ C] with A⁻¹ at hand.
 #[derive(Debug, Clone, Default)]
-pub struct BorderedSystem {
+pub(super) struct BorderedSystem {
     columns: Vec<Vec<f64>>,
     /// A⁻¹ B.
     solved: Vec<Vec<f64>>,
@@ -330,7 +330,7 @@ impl BorderedSystem {
     ///
     /// # Errors
     /// Those of `solve`; [`StepError::LoosePlate`] if the bordered matrix is singular.
-    pub fn new(
+    pub(super) fn new(
         columns: Vec<Vec<f64>>,
         plate_stiffness: DMatrix<f64>,
         mut solve: impl FnMut(&[f64]) -> Result<Vec<f64>, StepError>,
@@ -354,7 +354,7 @@ impl BorderedSystem {
 
     /// Turns `x` = A⁻¹ f into the solution of the bordered system with right-hand side (f, g); gives
     /// the border's unknowns.
-    pub fn close(&self, x: &mut [f64], rest: &[f64]) -> Vec<f64> {
+    pub(super) fn close(&self, x: &mut [f64], rest: &[f64]) -> Vec<f64> {
         if self.columns.is_empty() {
             return Vec::new();
         }

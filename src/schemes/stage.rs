@@ -56,6 +56,14 @@ pub trait Stage<const D: usize>: Send {
         Ok(())
     }
 
+    /// Brings the solid into equilibrium with the pressure and the loads of the initial state.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    fn equilibrate(&mut self, _model: &Model<D>, _state: &mut State) -> Result<(), StepError> {
+        Ok(())
+    }
+
     /// Goes on from what an accepted state remembers.
     fn recall(&mut self, memory: &Memory);
 
@@ -67,6 +75,27 @@ pub trait Stage<const D: usize>: Send {
 
     /// Linear solver in use, and why it was chosen.
     fn solver(&self) -> Option<(String, String)>;
+}
+
+/// Brings the initial state to the undrained response to its loads where the scene asks for that, else the
+/// solid into equilibrium at the pressure that is given.
+///
+/// # Errors
+/// [`StepError`].
+pub(super) fn start<const D: usize>(
+    stage: &mut dyn Stage<D>,
+    model: &Model<D>,
+    state: &mut State,
+) -> Result<(), StepError> {
+    let Some(coupling) = &model.coupling else {
+        return Ok(());
+    };
+    match coupling.undrained_start {
+        true => stage.start(model, state)?,
+        false => stage.equilibrate(model, state)?,
+    }
+    stage.remember(&mut state.memory);
+    Ok(())
 }
 
 /// Where a stage starts and leads.

@@ -300,7 +300,7 @@ impl<const D: usize> Staggered<D> {
     }
 
     /// Whether the form of the paper is asked for, in which strain lags behind by a step.
-    pub fn is_paper(&self) -> bool {
+    fn is_paper(&self) -> bool {
         matches!(self.flow, FlowPart::Pointwise { .. }) && self.options.relaxation <= 0.0
     }
 
@@ -434,6 +434,10 @@ impl<const D: usize> Stage<D> for Staggered<D> {
         // A stage without a length is no guess for one that has a length.
         self.lags.now = [None, None];
         Ok(())
+    }
+
+    fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        self.solid.equilibrate(model, state).map(drop)
     }
 
     fn recall(&mut self, memory: &Memory) {

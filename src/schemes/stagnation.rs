@@ -5,14 +5,14 @@ const PROGRESS: f64 = 0.9;
 
 /// How long a residual has not fallen.
 #[derive(Debug, Clone, Copy)]
-pub struct Stagnation {
+pub(super) struct Stagnation {
     least: f64,
     stuck: usize,
 }
 
 impl Stagnation {
     /// Nothing seen yet.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Stagnation {
             least: f64::INFINITY,
             stuck: 0,
@@ -20,7 +20,7 @@ impl Stagnation {
     }
 
     /// Takes in the residual of an iteration; gives how many there were since the last progress.
-    pub fn note(&mut self, residual: f64) -> usize {
+    pub(super) fn note(&mut self, residual: f64) -> usize {
         self.stuck += 1;
         if residual <= PROGRESS * self.least {
             (self.least, self.stuck) = (residual, 0);
@@ -29,7 +29,7 @@ impl Stagnation {
     }
 
     /// Progress of another kind.
-    pub fn forgive(&mut self) {
+    pub(super) fn forgive(&mut self) {
         self.stuck = 0;
     }
 }

@@ -6,14 +6,14 @@ use crate::report::Timers;
 
 /// Adds the time of every stage of a solver to its phase: `analysis`, `factor` (factors and
 /// preconditioners), and `substitution` with a factor or `krylov` iterations.
-pub struct TimedSolver {
+pub(super) struct TimedSolver {
     solver: Box<dyn LinearSolver>,
     timers: Timers,
 }
 
 impl TimedSolver {
     /// Times `solver`.
-    pub fn new(solver: Box<dyn LinearSolver>, timers: Timers) -> Self {
+    pub(super) fn new(solver: Box<dyn LinearSolver>, timers: Timers) -> Self {
         TimedSolver { solver, timers }
     }
 }

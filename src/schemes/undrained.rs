@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// # Errors
 /// [`StepError::CouplingDiverged`], and those of the solid solver.
-pub fn undrained<const D: usize>(
+pub(super) fn undrained<const D: usize>(
     model: &Model<D>,
     solid: &mut dyn SolidSolver<D>,
     options: &SchemeOptions,

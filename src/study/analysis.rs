@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Median of the finite values; `None` without any.
-pub fn median(values: &[f64]) -> Option<f64> {
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;
@@ -16,7 +16,7 @@ pub fn median(values: &[f64]) -> Option<f64> {
 
 /// A power law y = factor · x^slope, fitted to logarithms by least squares.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Exponent.
     pub slope: f64,
     /// Half width of the 95 % confidence interval of the exponent; `None` from two points.
@@ -29,7 +29,7 @@ pub struct Fit {
 
 impl Fit {
     /// Fits the pairs of positive numbers; `None` from fewer than two different x.
-    pub fn of(pairs: &[(f64, f64)]) -> Option<Fit> {
+    pub(crate) fn of(pairs: &[(f64, f64)]) -> Option<Fit> {
         let logs: Vec<(f64, f64)> = pairs
             .iter()
             .filter(|(x, y)| *x > 0.0 && *y > 0.0 && x.is_finite() && y.is_finite())
@@ -61,7 +61,7 @@ impl Fit {
     }
 
     /// The law at x.
-    pub fn at(&self, x: f64) -> f64 {
+    pub(crate) fn at(&self, x: f64) -> f64 {
         self.factor * x.powf(self.slope)
     }
 }
@@ -86,7 +86,7 @@ fn student(freedom: usize) -> f64 {
 }
 
 /// Indices of the pairs (cost, error) that no other pair beats in both, by rising cost.
-pub fn pareto(pairs: &[(f64, f64)]) -> Vec<usize> {
+pub(crate) fn pareto(pairs: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..pairs.len())
         .filter(|&i| pairs[i].0.is_finite() && pairs[i].1.is_finite())
         .collect();
@@ -106,7 +106,7 @@ pub fn pareto(pairs: &[(f64, f64)]) -> Vec<usize> {
 /// How well the cost of an error is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Basis {
+pub(crate) enum Basis {
     /// Between two measured runs, or a run that is better and the cheapest there is.
     Measured,
     /// Beyond the measured runs, by the power law through them.
@@ -117,7 +117,7 @@ pub enum Basis {
 
 /// What it costs to reach an error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CostToAccuracy {
+pub(crate) struct CostToAccuracy {
     /// Cost, in the unit of the pairs.
     pub cost: f64,
     /// How well it is known.
@@ -131,7 +131,7 @@ const FARTHEST: f64 = 1e6;
 ///
 /// Beyond the most accurate run the power law through the two best continues it, over two decades of
 /// error and six of cost at most; `None` if the front has a single run or does not get better with cost.
-pub fn reach(pairs: &[(f64, f64)], error: f64) -> Option<CostToAccuracy> {
+pub(crate) fn reach(pairs: &[(f64, f64)], error: f64) -> Option<CostToAccuracy> {
     let front: Vec<(f64, f64)> = pareto(pairs).into_iter().map(|i| pairs[i]).collect();
     let (first, last) = (front.first()?, front.last()?);
     let measured = |cost| {

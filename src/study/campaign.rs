@@ -8,7 +8,7 @@ use crate::run::Interrupt;
 use super::{Log, Measured, Row, Runner, Status, StudyCase, StudyError, Variant, profile};
 
 /// Hears of the progress of a study.
-pub trait Watcher {
+pub(crate) trait Watcher {
     /// A run ended, or was found in the log.
     fn ended(&mut self, variant: &Variant, row: &Row, done: usize, of: usize);
 }
@@ -18,7 +18,7 @@ impl Watcher for () {
 }
 
 /// Runs variants and keeps their rows.
-pub struct Campaign<'a> {
+pub(crate) struct Campaign<'a> {
     /// What is studied.
     pub subject: &'a StudyCase,
     /// Starts the runs.
@@ -40,7 +40,7 @@ impl<'a> Campaign<'a> {
     ///
     /// # Errors
     /// [`StudyError`] if the log cannot be opened or the program not be found.
-    pub fn new(
+    pub(crate) fn new(
         subject: &'a StudyCase,
         folder: &Path,
         repetitions: u32,
@@ -63,7 +63,7 @@ impl<'a> Campaign<'a> {
     ///
     /// # Errors
     /// [`StudyError`] if a run cannot be started or its row not be kept; a run that fails is a row.
-    pub fn run(
+    pub(crate) fn run(
         &mut self,
         variants: &[Variant],
         watcher: &mut dyn Watcher,

@@ -13,7 +13,7 @@ use crate::output::{LinePlot, LineStyle, Series};
 use crate::plan::PermeabilityPlan;
 
 /// The study of contrast.
-pub struct Contrast;
+pub(super) struct Contrast;
 
 const OPERATORS: [&str; 2] = ["bond", "correspondence"];
 
@@ -153,7 +153,7 @@ impl Study for Contrast {
                 "flux",
                 "Error of the steady flux",
                 "relative error",
-                |run| visible(run.number("/errors/flux/max")),
+                |run| visible(run.error_of("flux", |error| error.max)),
             ),
         ];
         let of_effort: [Picture; 2] = [
@@ -161,12 +161,9 @@ impl Study for Contrast {
                 "iterations",
                 "Krylov iterations per solve",
                 "iterations",
-                |run| {
-                    run.number("/counters/solver/iterations")
-                        / run.number("/counters/solver/solves")
-                },
+                |run| run.solver(|done| done.iterations) / run.solver(|done| done.solves),
             ),
-            ("steps", "Steps", "steps", |run| run.number("/steps")),
+            ("steps", "Steps", "steps", |run| run.steps()),
         ];
         for operator in OPERATORS {
             let own = by_operator(operator);
@@ -243,14 +240,14 @@ impl Law {
             .filter(|run| run.variant.scheme == "explicit")?;
         // A single run tells nothing about what a step costs beside the start of the program.
         let last = done.last().filter(|_| done.len() > 1)?;
-        let limit = last.number("/limit/dt");
+        let limit = last.figure(|run| run.limit.as_ref().map_or(f64::NAN, |limit| limit.dt));
         let more = |measure: fn(&Measured) -> f64| measure(last) - measure(first);
-        let per_step = more(Measured::seconds).max(0.0) / more(|run| run.number("/steps")).max(1.0);
+        let per_step = more(Measured::seconds).max(0.0) / more(|run| run.steps()).max(1.0);
         // Steps per contrast from the limit of the last run: the stable step goes with its inverse.
-        let steps = last.number("/steps") / last.variant.value("contrast");
+        let steps = last.steps() / last.variant.value("contrast");
         (limit.is_finite() && limit < end).then_some(Law {
             per_step,
-            start: first.seconds() - per_step * first.number("/steps"),
+            start: first.seconds() - per_step * first.steps(),
             steps,
             run_to: last.variant.value("contrast"),
         })
@@ -405,8 +402,8 @@ fn growth(groups: &BTreeMap<String, Vec<&Measured>>, laws: &BTreeMap<&String, La
             Fit::of(&pairs).map_or("–".to_owned(), |fit| fit.to_string()),
             at(first),
             end,
-            count(last.number("/steps")),
-            short(last.number("/errors/flux/max")),
+            count(last.steps()),
+            short(last.error_of("flux", |error| error.max)),
         ]);
     }
     table

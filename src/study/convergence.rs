@@ -13,7 +13,7 @@ use super::{
 use crate::output::{LinePlot, LineStyle, Series};
 
 /// The study of convergence.
-pub struct Convergence;
+pub(super) struct Convergence;
 
 /// Steps of the runs that are compared.
 const STEPS: [u32; 5] = [8, 16, 32, 64, 128];
@@ -237,7 +237,7 @@ fn in_time(runs: &[Measured]) -> (Section, Vec<Law>, Option<String>) {
         )
     });
     section.text.extend(verified.clone());
-    let end = reference.number("/t_end");
+    let end = reference.figure(|run| run.t_end);
     let mut methods: BTreeMap<String, Vec<&Measured>> = BTreeMap::new();
     for run in of_role(runs, TIME) {
         methods

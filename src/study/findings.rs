@@ -6,7 +6,7 @@ use crate::output::{LinePlot, NARROW, WIDE, lines_text};
 
 /// What a study found.
 #[derive(Debug, Clone, Default)]
-pub struct ReportContent {
+pub(crate) struct ReportContent {
     /// Numbers, for report.json.
     pub facts: Value,
     /// One sentence per finding, the most important one first.
@@ -17,7 +17,7 @@ pub struct ReportContent {
 
 /// A part of a report.
 #[derive(Debug, Clone, Default)]
-pub struct Section {
+pub(crate) struct Section {
     /// Heading.
     pub title: String,
     /// Paragraphs.
@@ -30,7 +30,7 @@ pub struct Section {
 
 /// A picture of a report.
 #[derive(Debug, Clone)]
-pub struct Figure {
+pub(crate) struct Figure {
     /// Name of its own file.
     pub file: String,
     /// What it shows.
@@ -43,7 +43,7 @@ pub struct Figure {
 
 /// A table of a report.
 #[derive(Debug, Clone, Default)]
-pub struct Table {
+pub(crate) struct Table {
     /// What it holds.
     pub caption: String,
     /// Names of columns.
@@ -54,7 +54,7 @@ pub struct Table {
 
 impl ReportContent {
     /// Files of the pictures with their drawings.
-    pub fn pictures(&self) -> impl Iterator<Item = (&str, &str)> {
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = (&str, &str)> {
         let figures = self.sections.iter().flat_map(|section| &section.figures);
         figures.map(|figure| (figure.file.as_str(), figure.svg.as_str()))
     }
@@ -62,7 +62,7 @@ impl ReportContent {
 
 impl Section {
     /// A part with a heading.
-    pub fn new(title: &str) -> Self {
+    pub(crate) fn new(title: &str) -> Self {
         Section {
             title: title.to_owned(),
             ..Section::default()
@@ -70,7 +70,7 @@ impl Section {
     }
 
     /// Adds a picture; a drawing that fails leaves its reason as a paragraph.
-    pub fn draw(&mut self, file: &str, caption: &str, plot: &LinePlot<'_>) {
+    pub(crate) fn draw(&mut self, file: &str, caption: &str, plot: &LinePlot<'_>) {
         let drawings = lines_text(plot, WIDE).and_then(|svg| Ok((svg, lines_text(plot, NARROW)?)));
         match drawings {
             Ok((svg, narrow)) => self.figures.push(Figure {
@@ -88,7 +88,7 @@ impl Section {
 
 impl Table {
     /// A table without rows.
-    pub fn new(caption: &str, head: &[&str]) -> Self {
+    pub(crate) fn new(caption: &str, head: &[&str]) -> Self {
         Table {
             caption: caption.to_owned(),
             head: head.iter().map(|name| (*name).to_owned()).collect(),
@@ -98,7 +98,7 @@ impl Table {
 }
 
 /// A number of seconds as people say it.
-pub fn seconds(value: f64) -> String {
+pub(super) fn seconds(value: f64) -> String {
     match value {
         v if !v.is_finite() => "–".to_owned(),
         v if v < 0.1 => format!("{:.0} ms", 1e3 * v),
@@ -111,7 +111,7 @@ pub fn seconds(value: f64) -> String {
 }
 
 /// A number as people write it, to three digits: powers of ten where it is large or small.
-pub fn plain(value: f64) -> String {
+pub(super) fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     match rounded.abs() {
         size if size.is_nan() => "–".to_owned(),
@@ -121,7 +121,7 @@ pub fn plain(value: f64) -> String {
 }
 
 /// A small number, or a dash.
-pub fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     match value.is_finite() {
         true => format!("{value:.2e}"),
         false => "–".to_owned(),
@@ -129,7 +129,7 @@ pub fn short(value: f64) -> String {
 }
 
 /// A count, or a dash.
-pub fn count(value: f64) -> String {
+pub(super) fn count(value: f64) -> String {
     match value.is_finite() {
         true => format!("{value:.0}"),
         false => "–".to_owned(),

@@ -9,7 +9,7 @@ use super::{Fit, Measured, Options, Study, StudyCase, StudyError, Variant, cost:
 
 /// A recommendation with its grounds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Forecast {
+pub(crate) struct Forecast {
     /// Error asked for: root mean square over the range, the largest of all fields and outputs.
     pub error: f64,
     /// Scheme and solver.
@@ -36,7 +36,10 @@ pub struct Forecast {
 ///
 /// # Errors
 /// [`StudyError::Unsuited`] as the study of cost.
-pub fn calibration(subject: &StudyCase, options: &Options) -> Result<Vec<Variant>, StudyError> {
+pub(crate) fn calibration(
+    subject: &StudyCase,
+    options: &Options,
+) -> Result<Vec<Variant>, StudyError> {
     Cost.variants(
         subject,
         &Options {
@@ -47,7 +50,7 @@ pub fn calibration(subject: &StudyCase, options: &Options) -> Result<Vec<Variant
 }
 
 /// Gives the runs of a calibration the errors that only their comparison can tell.
-pub fn compare_costs(runs: &mut [Measured]) {
+pub(crate) fn compare_costs(runs: &mut [Measured]) {
     Cost.compare(runs);
 }
 
@@ -58,7 +61,7 @@ pub fn compare_costs(runs: &mut [Measured]) {
 ///
 /// # Errors
 /// [`StudyError::Unsuited`] if no run of the calibration reached its end.
-pub fn forecast(
+pub(crate) fn forecast(
     subject: &StudyCase,
     runs: &[Measured],
     error: f64,

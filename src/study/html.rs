@@ -186,7 +186,7 @@ fn all_runs(runs: &[Measured]) -> Table {
         table.rows.push(vec![
             variant.method(),
             varied.collect::<Vec<_>>().join(", "),
-            count(run.number("/points")),
+            count(run.points()),
             short(run.error()),
             seconds(run.seconds()),
             match run.rows.len() {
@@ -202,9 +202,9 @@ fn all_runs(runs: &[Measured]) -> Table {
                 bytes if bytes.is_finite() => format!("{:.0} MB", bytes / 1e6),
                 _ => "–".to_owned(),
             },
-            count(run.number("/steps")),
-            count(run.number("/counters/solver/factorisations")),
-            count(run.number("/counters/solver/iterations")),
+            count(run.steps()),
+            count(run.solver(|done| done.factorisations)),
+            count(run.solver(|done| done.iterations)),
             match &first.reason {
                 None if run.error() > 0.0 && !run.resolved() => {
                     "done; error not resolved".to_owned()

@@ -5,15 +5,15 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use super::StudyError;
 use crate::output::OutputError;
+use crate::run::Summary;
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Status {
+pub(crate) enum Status {
     /// It reached its end.
     Done,
     /// It was refused before it started (exit codes 2 and 3).
@@ -28,7 +28,7 @@ pub enum Status {
 
 impl Status {
     /// As in tables.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Status::Done => "done",
             Status::Refused => "refused",
@@ -40,8 +40,8 @@ impl Status {
 }
 
 /// One finished run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Row {
     /// What was run: build of the program, scene and overrides.
     pub key: String,
     /// 0 for the first run of a variant.
@@ -59,7 +59,7 @@ pub struct Row {
     /// Largest resident memory, bytes.
     pub memory_bytes: u64,
     /// What `run --json` printed.
-    pub summary: Option<Value>,
+    pub summary: Option<Summary>,
     /// Fields at the end, where the study compares runs with each other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fields: Vec<(String, Vec<f64>)>,
@@ -67,7 +67,7 @@ pub struct Row {
 
 impl Row {
     /// A run that was not started.
-    pub fn unmeasured(key: String, repetition: u32, status: Status, reason: String) -> Self {
+    pub(crate) fn unmeasured(key: String, repetition: u32, status: Status, reason: String) -> Self {
         Row {
             key,
             repetition,
@@ -85,7 +85,7 @@ impl Row {
 
 /// The log, open for more rows.
 #[derive(Debug)]
-pub struct Log {
+pub(crate) struct Log {
     path: PathBuf,
     file: File,
     rows: Vec<Row>,
@@ -96,7 +96,7 @@ impl Log {
     ///
     /// # Errors
     /// [`StudyError::Output`] if the file cannot be read or written.
-    pub fn open(path: &Path) -> Result<Self, StudyError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, StudyError> {
         let failed = |action| move |error| OutputError::from_io(path, action, error);
         let mut file = OpenOptions::new()
             .create(true)
@@ -128,7 +128,7 @@ impl Log {
     }
 
     /// The row of a run, if it is there.
-    pub fn find(&self, key: &str, repetition: u32) -> Option<&Row> {
+    pub(crate) fn find(&self, key: &str, repetition: u32) -> Option<&Row> {
         let fits = |row: &&Row| row.key == key && row.repetition == repetition;
         self.rows.iter().rev().find(fits)
     }
@@ -137,7 +137,7 @@ impl Log {
     ///
     /// # Errors
     /// [`StudyError::Output`] if it cannot be written.
-    pub fn add(&mut self, row: Row) -> Result<(), StudyError> {
+    pub(crate) fn add(&mut self, row: Row) -> Result<(), StudyError> {
         let mut line = serde_json::to_string(&row).map_err(|source| OutputError::Json {
             path: self.path.clone(),
             source,
@@ -168,9 +168,19 @@ mod tests {
             wall_s: 0.1 + 0.2,
             cpu_s: 0.5,
             memory_bytes: 7,
-            summary: Some(serde_json::json!({ "steps": 3 })),
+            summary: serde_json::from_str(r#"{ "steps": 3 }"#).ok(),
             fields: Vec::new(),
         }
+    }
+
+    /// Every figure of the row in the log.
+    fn found(log: &Log, key: &str, repetition: u32) -> Option<String> {
+        let row = log.find(key, repetition)?;
+        serde_json::to_string(row).ok()
+    }
+
+    fn written(row: &Row) -> Option<String> {
+        serde_json::to_string(row).ok()
     }
 
     #[test]
@@ -181,12 +191,12 @@ mod tests {
         let whole = fs::read_to_string(&path).unwrap();
         fs::write(&path, format!("{whole}{}", &whole[..whole.len() / 2])).unwrap();
         let mut log = Log::open(&path).unwrap();
-        assert_eq!(log.find("a", 0), Some(&row("a", 0)));
-        assert_eq!(log.find("a", 1), None);
+        assert_eq!(found(&log, "a", 0), written(&row("a", 0)));
+        assert!(log.find("a", 1).is_none());
         log.add(row("b", 1)).unwrap();
         let log = Log::open(&path).unwrap();
-        assert_eq!(log.find("a", 0), Some(&row("a", 0)));
-        assert_eq!(log.find("b", 1), Some(&row("b", 1)));
+        assert_eq!(found(&log, "a", 0), written(&row("a", 0)));
+        assert_eq!(found(&log, "b", 1), written(&row("b", 1)));
         assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 2);
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// On what the seconds were measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Machine {
+pub(crate) struct Machine {
     /// Model of the processor.
     pub processor: String,
     /// Threads that may run at once.
@@ -17,7 +17,7 @@ pub struct Machine {
 
 impl Machine {
     /// The machine that runs this.
-    pub fn here() -> Self {
+    pub(crate) fn here() -> Self {
         let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
         let (processors, memory) = (read("/proc/cpuinfo"), read("/proc/meminfo"));
         let field = |text: &str, name: &str| {

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use perifrac_solvers::SolverCounters;
+
 use super::{Row, Status, Variant, median};
+use crate::run::{FieldError, Summary};
 
 /// A variant with its runs.
 #[derive(Debug, Clone)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// What was run.
     pub variant: Variant,
     /// Its runs, in order; the first one decides about errors and counters.
@@ -17,7 +20,7 @@ pub struct Measured {
 
 /// Errors from a comparison with other runs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compared {
+pub(crate) struct Compared {
     /// Errors per field, as [`Measured::errors`] gives them.
     pub errors: BTreeMap<String, f64>,
     /// Whether the largest is well above what the comparison itself is wrong by.
@@ -26,7 +29,7 @@ pub struct Compared {
 
 impl Measured {
     /// A variant with at least one run.
-    pub fn new(variant: Variant, rows: Vec<Row>) -> Self {
+    pub(crate) fn new(variant: Variant, rows: Vec<Row>) -> Self {
         Measured {
             variant,
             rows,
@@ -35,67 +38,80 @@ impl Measured {
     }
 
     /// The first run.
-    pub fn first(&self) -> &Row {
+    pub(crate) fn first(&self) -> &Row {
         // A variant enters the results with its first run.
         &self.rows[0]
     }
 
     /// Whether it reached its end.
-    pub fn done(&self) -> bool {
+    pub(crate) fn done(&self) -> bool {
         self.first().status == Status::Done
     }
 
     /// Median of a measure over the runs that reached their end.
-    pub fn typical(&self, measure: impl Fn(&Row) -> f64) -> f64 {
+    pub(crate) fn typical(&self, measure: impl Fn(&Row) -> f64) -> f64 {
         let done = self.rows.iter().filter(|row| row.status == Status::Done);
         median(&done.map(measure).collect::<Vec<f64>>()).unwrap_or(f64::NAN)
     }
 
     /// Median wall time, s.
-    pub fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.typical(|row| row.wall_s)
     }
 
-    /// A number of the summary by its path, such as `/counters/solver/iterations`.
-    pub fn number(&self, path: &str) -> f64 {
-        let summary = self.first().summary.as_ref().filter(|_| self.done());
-        let value = summary.and_then(|summary| summary.pointer(path));
-        value
-            .and_then(serde_json::Value::as_f64)
-            .unwrap_or(f64::NAN)
+    /// What the first run printed at its end; nothing where it did not reach it.
+    pub(crate) fn summary(&self) -> Option<&Summary> {
+        self.first().summary.as_ref().filter(|_| self.done())
+    }
+
+    /// A figure of the summary; NaN without one.
+    pub(crate) fn figure(&self, figure: impl Fn(&Summary) -> f64) -> f64 {
+        self.summary().map_or(f64::NAN, figure)
+    }
+
+    /// Number of points.
+    pub(crate) fn points(&self) -> f64 {
+        self.figure(|run| run.points as f64)
+    }
+
+    /// Accepted steps.
+    pub(crate) fn steps(&self) -> f64 {
+        self.figure(|run| run.steps as f64)
+    }
+
+    /// A count of what the linear solver of flow, or of flow and mechanics, did.
+    pub(crate) fn solver(&self, count: impl Fn(&SolverCounters) -> u64) -> f64 {
+        self.figure(|run| count(&run.counters.solver) as f64)
+    }
+
+    /// A figure of the error of a field at the end; NaN without an exact solution.
+    pub(crate) fn error_of(&self, field: &str, figure: impl Fn(&FieldError) -> f64) -> f64 {
+        self.figure(|run| run.errors.get(field).map_or(f64::NAN, &figure))
     }
 
     /// Errors per field: root mean square over the range, the largest of all outputs after the start.
-    pub fn errors(&self) -> BTreeMap<String, f64> {
+    pub(crate) fn errors(&self) -> BTreeMap<String, f64> {
         if let Some(compared) = &self.compared {
             return compared.errors.clone();
         }
         let mut errors: BTreeMap<String, f64> = BTreeMap::new();
-        let summary = self.first().summary.as_ref().filter(|_| self.done());
-        let outputs = summary.and_then(|summary| summary["errors_over_time"].as_array());
-        for output in outputs
-            .into_iter()
-            .flatten()
-            .filter_map(|output| output.as_object())
-        {
-            for (field, error) in output {
-                if let Some(error) = error["l2"].as_f64() {
-                    let largest = errors.entry(field.clone()).or_insert(0.0);
-                    *largest = largest.max(error);
-                }
-            }
+        let outputs = self.summary().map_or(&[][..], |run| &run.errors_over_time);
+        let all = outputs.iter().flat_map(|output| &output.errors);
+        for (field, error) in all.filter(|(_, error)| !error.l2.is_nan()) {
+            let largest = errors.entry(field.to_string()).or_insert(0.0);
+            *largest = largest.max(error.l2);
         }
         errors
     }
 
     /// Whether its error means something: it is one, and well above what it was measured with.
-    pub fn resolved(&self) -> bool {
+    pub(crate) fn resolved(&self) -> bool {
         let sure = |compared: &Compared| compared.resolved;
         self.done() && self.error() > 0.0 && self.compared.as_ref().is_none_or(sure)
     }
 
     /// The largest error of all fields; NaN without anything to compare with.
-    pub fn error(&self) -> f64 {
+    pub(crate) fn error(&self) -> f64 {
         self.errors().into_values().fold(f64::NAN, f64::max)
     }
 }

@@ -28,25 +28,25 @@ mod variant;
 
 use std::path::Path;
 
-pub use analysis::{Basis, CostToAccuracy, Fit, median, pareto, reach};
-pub use campaign::{Campaign, Watcher};
-pub use error::StudyError;
-pub use findings::{ReportContent, Section, Table};
-pub use forecast::{calibration, compare_costs, forecast};
-pub use log::{Log, Row, Status};
-pub use machine::Machine;
-pub use measured::{Compared, Measured};
-pub use profile::RecordedOutput;
-pub use runner::Runner;
-pub use single::report_run;
-pub use subject::{Grid, StudyCase};
-pub use variant::{Method, Variant};
+pub(crate) use analysis::{Basis, CostToAccuracy, Fit, median, pareto, reach};
+pub(crate) use campaign::{Campaign, Watcher};
+pub(crate) use error::StudyError;
+pub(crate) use findings::{ReportContent, Section, Table};
+pub(crate) use forecast::{calibration, compare_costs, forecast};
+pub(crate) use log::{Log, Row, Status};
+pub(crate) use machine::Machine;
+pub(crate) use measured::{Compared, Measured};
+pub(crate) use profile::RecordedOutput;
+pub(crate) use runner::Runner;
+pub(crate) use single::report_run;
+pub(crate) use subject::{Grid, StudyCase};
+pub(crate) use variant::{Method, Variant};
 
 use crate::output::{write_atomically, write_json};
 
 /// What the user may choose about a study.
 #[derive(Debug, Clone, Default)]
-pub struct Options {
+pub(crate) struct Options {
     /// Time schemes; those that suit the case if empty.
     pub schemes: Vec<String>,
     /// Linear solvers; a direct and an iterative one if empty.
@@ -65,7 +65,7 @@ impl Options {
 }
 
 /// A kind of study.
-pub trait Study {
+pub(crate) trait Study {
     /// Name on the command line and of its table.
     fn name(&self) -> &'static str;
 
@@ -88,7 +88,7 @@ pub trait Study {
 }
 
 /// The study of a name.
-pub fn study(name: &str) -> Option<Box<dyn Study>> {
+pub(crate) fn study(name: &str) -> Option<Box<dyn Study>> {
     Some(match name {
         "cost" => Box::new(cost::Cost),
         "contrast" => Box::new(contrast::Contrast),
@@ -99,13 +99,13 @@ pub fn study(name: &str) -> Option<Box<dyn Study>> {
 }
 
 /// Names of all studies.
-pub const NAMES: [&str; 4] = ["cost", "contrast", "stability", "convergence"];
+pub(crate) const NAMES: [&str; 4] = ["cost", "contrast", "stability", "convergence"];
 
 /// Writes table, numbers and report of a study into its folder, each file whole or not at all.
 ///
 /// # Errors
 /// [`StudyError::Output`] if a file cannot be written.
-pub fn write_report(
+pub(crate) fn write_report(
     folder: &Path,
     study: &dyn Study,
     subject: &StudyCase,

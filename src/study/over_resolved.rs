@@ -10,22 +10,22 @@ use crate::plan::{Plan, TimeMode};
 const LEVEL: &str = "level";
 /// Runs of a chain: each has half the spacing and a quarter of the tolerance of the one before, or half
 /// the step.
-pub const LEVELS: i32 = 3;
+pub(super) const LEVELS: i32 = 3;
 /// By how much errors fall where the step or the spacing is halved, in theory.
-pub const SECOND_ORDER: f64 = 4.0;
+pub(super) const SECOND_ORDER: f64 = 4.0;
 /// What is believed of a chain of two runs, which cannot tell: theory needs smooth fields.
 const FIRST_ORDER: f64 = 2.0;
 /// Least fall that is believed: what falls more slowly would make any uncertainty look small.
-pub const LEAST_FALL: f64 = 1.5;
+pub(super) const LEAST_FALL: f64 = 1.5;
 /// Errors below so many times the uncertainty are not resolved.
-pub const RESOLVED: f64 = 3.0;
+pub(super) const RESOLVED: f64 = 3.0;
 
 /// Distance of the second field from the first, relative to the first.
 type Norm = fn(&[f64], &[f64]) -> f64;
 
 /// A run that stands for the exact solution.
 #[derive(Debug, Clone)]
-pub struct OverResolved<'a> {
+pub(super) struct OverResolved<'a> {
     /// The finest of its chain that reached its end.
     pub run: &'a Measured,
     /// Estimate of its own error per field, relative as the distances are; empty if it stands alone.
@@ -42,7 +42,7 @@ impl<'a> OverResolved<'a> {
     ///
     /// Errors C, qC and q²C of the runs make the two coarser ones (q − 1)C and (q² − 1)C distant from
     /// the finest, so that both distances tell q and C (Richardson's rule).
-    pub fn of(chain: &[&'a Measured], norm: Norm, assumed: f64) -> Option<Self> {
+    pub(super) fn of(chain: &[&'a Measured], norm: Norm, assumed: f64) -> Option<Self> {
         let (run, coarser) = chain.split_first()?;
         let alone = OverResolved {
             run,
@@ -70,7 +70,7 @@ impl<'a> OverResolved<'a> {
     }
 
     /// The finest run of the chain among these, judged; `None` unless a coarser one verifies it.
-    pub fn among(runs: &'a [Measured]) -> Option<Self> {
+    pub(super) fn among(runs: &'a [Measured]) -> Option<Self> {
         let mut chain: Vec<&Measured> = runs
             .iter()
             .filter(|run| is_level(&run.variant) && run.done())
@@ -81,7 +81,7 @@ impl<'a> OverResolved<'a> {
     }
 
     /// Distance of a run per field, the largest of all outputs; fields it lacks are left out.
-    pub fn distances(&self, run: &Measured) -> BTreeMap<String, f64> {
+    pub(super) fn distances(&self, run: &Measured) -> BTreeMap<String, f64> {
         let own: BTreeMap<&String, &Vec<f64>> = fields(run).collect();
         let mut distances: BTreeMap<String, f64> = BTreeMap::new();
         for (name, exact) in fields(self.run) {
@@ -95,12 +95,12 @@ impl<'a> OverResolved<'a> {
     }
 
     /// The largest uncertainty of all fields.
-    pub fn largest_uncertainty(&self) -> f64 {
+    pub(super) fn largest_uncertainty(&self) -> f64 {
         self.uncertainty.values().copied().fold(f64::NAN, f64::max)
     }
 
     /// Its uncertainties in words; `None` if it stands alone.
-    pub fn verdict(&self) -> Option<String> {
+    pub(super) fn verdict(&self) -> Option<String> {
         let uncertainties = self.uncertainty.iter();
         let uncertainties: Vec<String> = uncertainties
             .map(|(field, uncertainty)| format!("{field} {}", short(*uncertainty)))
@@ -115,7 +115,7 @@ fn fields(run: &Measured) -> impl Iterator<Item = (&String, &Vec<f64>)> {
 }
 
 /// Whether a variant is one of a chain, which is not measured but measures others.
-pub fn is_level(variant: &Variant) -> bool {
+pub(super) fn is_level(variant: &Variant) -> bool {
     variant.values.contains_key(LEVEL)
 }
 
@@ -126,7 +126,7 @@ pub fn is_level(variant: &Variant) -> bool {
 ///
 /// With errors of second order the finest run of the study is fifteen times as wrong as the last of
 /// the chain; a run twice as fine as it would not tell its error from its own.
-pub fn chain(subject: &StudyCase, along: usize, least: f64) -> Vec<Variant> {
+pub(super) fn chain(subject: &StudyCase, along: usize, least: f64) -> Vec<Variant> {
     let methods = subject.methods(&Options::default());
     let best = methods.iter().find(|method| method.order() > 1.5);
     let Some(method) = best.or(methods.first()) else {
@@ -154,7 +154,7 @@ pub fn chain(subject: &StudyCase, along: usize, least: f64) -> Vec<Variant> {
 }
 
 /// A variant as the run of a chain at `level`, 0 for the coarsest.
-pub fn as_level(variant: Variant, level: i32) -> Variant {
+pub(super) fn as_level(variant: Variant, level: i32) -> Variant {
     Variant {
         scheme: "over-resolved".to_owned(),
         // Before all others, which are worth nothing without it.
@@ -171,7 +171,7 @@ const LINES: [usize; 2] = [8, 4];
 
 /// Overrides that record the fields along lines through the whole domain, at the same places on every
 /// cloud; `None` where the domain has no known planes.
-pub fn lines(plan: &Plan) -> Option<Vec<String>> {
+pub(super) fn lines(plan: &Plan) -> Option<Vec<String>> {
     let (low, high) = plan.geometry.bounds()?;
     let size: Vec<f64> = low.iter().zip(&high).map(|(a, b)| b - a).collect();
     let along = (0..size.len()).max_by(|a, b| size[*a].total_cmp(&size[*b]))?;

@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Start of the names of lines at whose places all clouds of a study are compared.
-pub const SAMPLE: &str = "sample-";
+pub(super) const SAMPLE: &str = "sample-";
 
 /// Name of the smallest pressure after every step.
-pub const LOWEST: &str = "lowest pressure";
+pub(super) const LOWEST: &str = "lowest pressure";
 /// Name of the largest.
-pub const HIGHEST: &str = "highest pressure";
+pub(super) const HIGHEST: &str = "highest pressure";
 
 /// Which fields of a run are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum RecordedOutput {
+pub(crate) enum RecordedOutput {
     /// None.
     #[default]
     Nothing,
@@ -29,7 +29,7 @@ pub enum RecordedOutput {
 const AT: &str = " at ";
 
 /// The field of what is kept: `pressure` or `displacement`.
-pub fn field(name: &str) -> &str {
+pub(super) fn field(name: &str) -> &str {
     name.split_once(AT).map_or(name, |(field, _)| field)
 }
 
@@ -39,7 +39,7 @@ type Fields = BTreeMap<(u64, String), Vec<f64>>;
 /// The fields of a run that are to be kept, exact solutions left out; at outputs with their times.
 ///
 /// What cannot be read is left out: the study then has fewer fields.
-pub fn fields(folder: &Path, kept: RecordedOutput) -> Vec<(String, Vec<f64>)> {
+pub(super) fn fields(folder: &Path, kept: RecordedOutput) -> Vec<(String, Vec<f64>)> {
     let start = match kept {
         RecordedOutput::Nothing => return Vec::new(),
         RecordedOutput::Extremes => return extremes(&folder.join("history.csv")),
@@ -114,13 +114,13 @@ fn read(path: &Path) -> Option<(csv::StringRecord, Vec<Vec<f64>>)> {
 }
 
 /// Norm of the difference over the norm of the second; NaN if they do not fit.
-pub fn apart(values: &[f64], from: &[f64]) -> f64 {
+pub(super) fn apart(values: &[f64], from: &[f64]) -> f64 {
     difference(values, from) / root_of_squares(from.iter().copied())
 }
 
 /// Root mean square of the difference over the range of the second; NaN if they do not fit or the
 /// second is constant.
-pub fn over_range(values: &[f64], from: &[f64]) -> f64 {
+pub(super) fn over_range(values: &[f64], from: &[f64]) -> f64 {
     let low = from.iter().copied().fold(f64::INFINITY, f64::min);
     let high = from.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let error = difference(values, from) / (from.len() as f64).sqrt() / (high - low);

@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
 use wait4::{ResUse, Wait4};
 
 use super::StudyError;
-use crate::run::Interrupt;
+use crate::run::{Interrupt, Summary};
 
 /// What a child process did.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RunOutcome {
+#[derive(Debug, Clone)]
+pub(crate) struct RunOutcome {
     /// Exit code; `None` if a signal ended it.
     pub code: Option<i32>,
     /// Wall time from start to end, s.
@@ -23,7 +22,7 @@ pub struct RunOutcome {
     /// Largest resident memory, bytes.
     pub memory_bytes: u64,
     /// The summary that it printed, if it got there.
-    pub summary: Option<Value>,
+    pub summary: Option<Summary>,
     /// Why it failed: the last error on its standard error.
     pub reason: Option<String>,
     /// Whether it was ended because it took too long.
@@ -32,7 +31,7 @@ pub struct RunOutcome {
 
 /// Starts runs of the program.
 #[derive(Debug, Clone)]
-pub struct Runner {
+pub(crate) struct Runner {
     program: PathBuf,
     build: String,
     scene: String,
@@ -48,7 +47,7 @@ impl Runner {
     ///
     /// # Errors
     /// [`StudyError::Program`] if the program cannot be found or read.
-    pub fn new(scene: &str) -> Result<Self, StudyError> {
+    pub(crate) fn new(scene: &str) -> Result<Self, StudyError> {
         let program = std::env::current_exe().map_err(StudyError::Program)?;
         Ok(Runner {
             build: build(&program).map_err(StudyError::Program)?,
@@ -58,7 +57,7 @@ impl Runner {
     }
 
     /// What tells this build of the program from all others.
-    pub fn build(&self) -> &str {
+    pub(crate) fn build(&self) -> &str {
         &self.build
     }
 
@@ -66,7 +65,7 @@ impl Runner {
     ///
     /// # Errors
     /// [`StudyError::Program`] if the program cannot be started or awaited.
-    pub fn run(
+    pub(crate) fn run(
         &self,
         overrides: &[String],
         folder: &Path,

@@ -1,45 +1,50 @@
 //! `perifrac report`: what a run left, on one page.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
+use serde::Serialize;
 use serde_json::Value;
 
 use super::findings::{Table, count, seconds, short};
 use super::html::{escape, figure, page, paragraph, table};
 use super::{Machine, StudyError};
 use crate::output::{Manifest, OutputError, write_atomically};
+use crate::run::{Name, Summary};
 
 /// Writes `report.html` into the folder of a run, from the files the run left there.
 ///
 /// # Errors
 /// [`StudyError::NoRun`] if the folder has no readable summary.json, [`StudyError::Output`] if the
 /// page cannot be written.
-pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
+pub(crate) fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
     let no_run = |reason: String| StudyError::NoRun {
         folder: folder.to_owned(),
         reason,
     };
     let text = std::fs::read_to_string(folder.join("summary.json"))
         .map_err(|error| no_run(format!("summary.json: {error}")))?;
-    let summary: Value =
+    let run: Summary =
         serde_json::from_str(&text).map_err(|error| no_run(format!("summary.json: {error}")))?;
     let scene = std::fs::read_to_string(folder.join("resolved.toml")).unwrap_or_default();
-    let mut body = head(&summary);
-    body += &warnings(&summary);
-    body += &errors(&summary);
+    let mut body = head(&run);
+    body += &warnings(&run);
+    body += &errors(&run);
     body += &pictures(folder)?;
-    for (title, key) in [
-        ("Balances", "balance"),
-        ("Rates of outflow at the end", "outflow"),
-        ("What broke", "results"),
-        ("Coupling", "coupling"),
-        ("Stability limit", "limit"),
-        ("Counters", "counters"),
-        ("Seconds per phase", "timers"),
-    ] {
-        body += &values(title, key, &summary);
-    }
+    let units = &run.units;
+    body += &values("Balances", "balance", &run.balance, units);
+    body += &values(
+        "Rates of outflow at the end",
+        "outflow",
+        &run.outflow,
+        units,
+    );
+    body += &values("What broke", "results", &run.results, units);
+    body += &values("Coupling", "coupling", &run.coupling, units);
+    body += &values("Stability limit", "limit", &run.limit, units);
+    body += &values("Counters", "counters", &run.counters, units);
+    body += &values("Seconds per phase", "timers", &run.timers, units);
     if !scene.is_empty() {
         body += &format!(
             "<h2>Scene</h2>\n<details><summary>resolved.toml: running it again gives the same \
@@ -47,7 +52,7 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
             escape(&scene)
         );
     }
-    let title = format!("Run of {}", summary["case"].as_str().unwrap_or("a scene"));
+    let title = format!("Run of {}", run.case);
     let place = folder.join("report.html");
     let page = page(&title, &body);
     // The next run replaces the page too: it would show results that are gone.
@@ -56,50 +61,40 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
     Ok(place)
 }
 
-fn text<'a>(summary: &'a Value, key: &str) -> &'a str {
-    summary[key].as_str().unwrap_or("none")
-}
-
-fn number(summary: &Value, key: &str) -> f64 {
-    summary[key].as_f64().unwrap_or(f64::NAN)
-}
-
-fn head(summary: &Value) -> String {
+fn head(run: &Summary) -> String {
     let mut plan = Table::new("What ran", &["", ""]);
     let mut row = |name: &str, value: String| plan.rows.push(vec![name.to_owned(), value]);
-    row("scheme", text(summary, "scheme").to_owned());
-    row("solver", text(summary, "solver").to_owned());
-    if let Some(reason) = summary["solver_reason"].as_str() {
-        row("why this solver", reason.to_owned());
+    row("scheme", run.scheme.clone());
+    row("solver", run.solver.clone().unwrap_or("none".to_owned()));
+    if let Some(reason) = &run.solver_reason {
+        row("why this solver", reason.clone());
     }
-    row("flow operator", text(summary, "operator").to_owned());
-    for name in [
-        "dimension",
-        "points",
-        "unknowns",
-        "bonds",
-        "nonzeros",
-        "steps",
-        "rejected",
+    row("flow operator", run.operator.to_string());
+    for (name, number) in [
+        ("dimension", run.dimension as f64),
+        ("points", run.points as f64),
+        ("unknowns", run.unknowns as f64),
+        ("bonds", run.bonds as f64),
+        ("nonzeros", run.nonzeros as f64),
+        ("steps", run.steps as f64),
+        ("rejected", run.rejected as f64),
     ] {
-        row(name, count(number(summary, name)));
+        row(name, count(number));
     }
-    row("time reached", format!("{} s", number(summary, "t_end")));
-    row("wall time", seconds(number(summary, "wall_s")));
-    let version = text(summary, "version");
+    row("time reached", format!("{} s", run.t_end));
+    row("wall time", seconds(run.wall_s));
     let machine = Machine::here();
     format!(
         "<p class=\"note\">Run by perifrac {}; reported on {}.</p>\n{}",
-        escape(version),
+        escape(&run.version),
         escape(&machine.to_string()),
         table(&plan)
     )
 }
 
-fn warnings(summary: &Value) -> String {
-    let warnings = summary["warnings"].as_array().into_iter().flatten();
-    let lines: String = warnings
-        .filter_map(Value::as_str)
+fn warnings(run: &Summary) -> String {
+    let lines = run.warnings.iter();
+    let lines: String = lines
         .map(|line| format!("<li>{}</li>\n", escape(line)))
         .collect();
     match lines.is_empty() {
@@ -108,7 +103,7 @@ fn warnings(summary: &Value) -> String {
     }
 }
 
-fn errors(summary: &Value) -> String {
+fn errors(run: &Summary) -> String {
     let mut errors = Table::new(
         "Errors against the exact solution at every output, relative to its range",
         &[
@@ -119,15 +114,14 @@ fn errors(summary: &Value) -> String {
             "points compared",
         ],
     );
-    for output in summary["errors_over_time"].as_array().into_iter().flatten() {
-        let fields = output.as_object().into_iter().flatten();
-        for (field, error) in fields.filter(|(_, error)| error.is_object()) {
+    for output in &run.errors_over_time {
+        for (field, error) in &output.errors {
             errors.rows.push(vec![
-                format!("{}", number(output, "time")),
-                field.clone(),
-                short(number(error, "l2")),
-                short(number(error, "max")),
-                count(number(error, "compared")),
+                format!("{}", output.time),
+                field.to_string(),
+                short(error.l2),
+                short(error.max),
+                count(error.compared as f64),
             ]);
         }
     }
@@ -182,15 +176,15 @@ fn image(bytes: &[u8], name: &str) -> String {
     )
 }
 
-/// All numbers below a key, as a table; nothing where there are none.
-/// A table of the figures under a key of a summary, each with its unit where it has one.
-fn values(title: &str, key: &str, summary: &Value) -> String {
+/// A table of the figures of a part of a summary, each with its unit where it has one; nothing where there
+/// are none.
+fn values<T: Serialize>(title: &str, key: &str, part: &T, units: &BTreeMap<Name, Name>) -> String {
     let mut flat = Table::new(title, &["", "", ""]);
-    flatten("", &summary[key], &mut flat.rows);
-    let units = &summary["units"];
+    let part = serde_json::to_value(part).unwrap_or_default();
+    flatten("", &part, &mut flat.rows);
     for row in &mut flat.rows {
-        let own = units[format!("{key}.{}", row[0])].as_str();
-        let unit = own.or(units[key].as_str()).unwrap_or_default();
+        let own = units.get(&*format!("{key}.{}", row[0]));
+        let unit = own.or(units.get(key)).map_or("", |unit| unit);
         row.push(unit.to_owned());
     }
     match flat.rows.is_empty() {

@@ -7,7 +7,7 @@ use super::{Method, Options};
 
 /// What a study is about.
 #[derive(Debug, Clone)]
-pub struct StudyCase {
+pub(crate) struct StudyCase {
     /// Path or name of the case, as typed.
     pub scene: String,
     /// Overrides of all runs.
@@ -20,7 +20,7 @@ pub struct StudyCase {
 
 /// A cloud of the case, coarser or finer than its own.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub(crate) struct Grid {
     /// Largest spacing, m.
     pub spacing: f64,
     /// Points.
@@ -33,7 +33,12 @@ pub struct Grid {
 
 impl StudyCase {
     /// The case as typed, with the overrides of all runs.
-    pub fn new(scene: &str, loaded: &LoadedScene, plan: Plan, overrides: Vec<String>) -> Self {
+    pub(crate) fn new(
+        scene: &str,
+        loaded: &LoadedScene,
+        plan: Plan,
+        overrides: Vec<String>,
+    ) -> Self {
         let lattice = match &loaded.scene.geometry.value {
             Geometry::Lattice(lattice) => lattice.spacing.is_some(),
             _ => false,
@@ -48,17 +53,17 @@ impl StudyCase {
     }
 
     /// What tells a run from all others: the build of the program, the scene's text, the overrides.
-    pub fn key(&self, build: &str, overrides: &[String]) -> String {
+    pub(crate) fn key(&self, build: &str, overrides: &[String]) -> String {
         format!("{build} {:016x} {}", self.fingerprint, overrides.join(" "))
     }
 
     /// Whether flow and mechanics feel each other.
-    pub fn is_coupled(&self) -> bool {
+    pub(crate) fn is_coupled(&self) -> bool {
         self.plan.coupling.is_some()
     }
 
     /// Schemes that suit the case, as far as the user wants them, with their integrators.
-    pub fn methods(&self, options: &Options) -> Vec<Method> {
+    pub(crate) fn methods(&self, options: &Options) -> Vec<Method> {
         let method = |scheme, integrator| Method { scheme, integrator };
         let (second, first) = (Some("tr-bdf2"), Some("backward-euler"));
         let all = match self.is_coupled() {
@@ -87,7 +92,7 @@ impl StudyCase {
     }
 
     /// Solvers for a scheme: those of the user, else a factor and multigrid.
-    pub fn solvers(&self, scheme: &str, options: &Options) -> Vec<String> {
+    pub(crate) fn solvers(&self, scheme: &str, options: &Options) -> Vec<String> {
         if !options.solvers.is_empty() {
             return options.solvers.clone();
         }
@@ -101,7 +106,7 @@ impl StudyCase {
 
     /// Lattices between `fewest` and `most` points that divide the domain as the case's own does,
     /// from coarse to fine; the case's own alone for other clouds.
-    pub fn grids(&self, options: &Options, (fewest, most): (usize, usize)) -> Vec<Grid> {
+    pub(crate) fn grids(&self, options: &Options, (fewest, most): (usize, usize)) -> Vec<Grid> {
         let GeometryPlan::Lattice { size, cells, .. } = &self.plan.geometry else {
             return vec![Grid {
                 spacing: f64::NAN,
@@ -149,7 +154,7 @@ impl StudyCase {
     }
 
     /// The coarsest lattice of the case whose spacing is not above the one wanted.
-    pub fn grid_within(&self, wanted: f64) -> Option<Grid> {
+    pub(crate) fn grid_within(&self, wanted: f64) -> Option<Grid> {
         let GeometryPlan::Lattice { size, cells, .. } = &self.plan.geometry else {
             return None;
         };

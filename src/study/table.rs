@@ -11,7 +11,7 @@ use crate::output::OutputError;
 type Measure = (&'static str, fn(&Measured) -> f64);
 
 const MEASURES: [Measure; 14] = [
-    ("points", |run| run.number("/points")),
+    ("points", Measured::points),
     ("error", Measured::error),
     ("wall_s", Measured::seconds),
     ("wall_s_least", |run| extreme(run, f64::min)),
@@ -20,18 +20,20 @@ const MEASURES: [Measure; 14] = [
     ("memory_bytes", |run| {
         run.typical(|row: &Row| row.memory_bytes as f64)
     }),
-    ("steps", |run| run.number("/steps")),
-    ("rejected", |run| run.number("/rejected")),
+    ("steps", Measured::steps),
+    ("rejected", |run| run.figure(|run| run.rejected as f64)),
     ("factorisations", |run| {
-        run.number("/counters/solver/factorisations")
+        run.solver(|done| done.factorisations)
     }),
-    ("solves", |run| run.number("/counters/solver/solves")),
+    ("solves", |run| run.solver(|done| done.solves)),
     ("krylov_iterations", |run| {
-        run.number("/counters/solver/iterations")
+        run.solver(|done| done.iterations)
     }),
-    ("coupling_passes", |run| run.number("/coupling/passes")),
+    ("coupling_passes", |run| {
+        run.figure(|run| run.coupling.map_or(f64::NAN, |own| own.passes as f64))
+    }),
     ("relaxation_iterations", |run| {
-        run.number("/counters/relaxation_iterations")
+        run.figure(|run| run.counters.relaxation_iterations as f64)
     }),
 ];
 
@@ -40,7 +42,7 @@ fn extreme(run: &Measured, pick: fn(f64, f64) -> f64) -> f64 {
 }
 
 /// A run for report.json.
-pub fn entry(run: &Measured) -> Value {
+pub(super) fn entry(run: &Measured) -> Value {
     let measures = MEASURES
         .iter()
         .map(|(name, measure)| ((*name).to_owned(), json!(measure(run))));
@@ -64,7 +66,7 @@ pub fn entry(run: &Measured) -> Value {
 ///
 /// # Errors
 /// [`StudyError::Output`] if it cannot be made.
-pub fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
+pub(super) fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
     let varied: BTreeSet<&str> = runs
         .iter()
         .flat_map(|run| run.variant.values.keys().copied())

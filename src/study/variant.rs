@@ -6,7 +6,7 @@ use super::profile::RecordedOutput;
 
 /// One of the runs of a study: what it is called and which keys of the scene it sets.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Variant {
+pub(crate) struct Variant {
     /// Scheme with its integrator, as in legends.
     pub scheme: String,
     /// Linear solver; `-` without one.
@@ -28,7 +28,7 @@ pub struct Variant {
 
 impl Variant {
     /// Scheme, solver and operator: what a curve in a picture stands for.
-    pub fn method(&self) -> String {
+    pub(crate) fn method(&self) -> String {
         let parts = [
             Some(&self.scheme),
             Some(&self.solver),
@@ -43,18 +43,18 @@ impl Variant {
     }
 
     /// A value that it varies.
-    pub fn value(&self, name: &str) -> f64 {
+    pub(crate) fn value(&self, name: &str) -> f64 {
         self.values.get(name).copied().unwrap_or(f64::NAN)
     }
 
     /// Adds overrides.
-    pub fn set(mut self, overrides: impl IntoIterator<Item = String>) -> Self {
+    pub(crate) fn set(mut self, overrides: impl IntoIterator<Item = String>) -> Self {
         self.overrides.extend(overrides);
         self
     }
 
     /// Names a value that it varies.
-    pub fn with(mut self, name: &'static str, value: f64) -> Self {
+    pub(crate) fn with(mut self, name: &'static str, value: f64) -> Self {
         self.values.insert(name, value);
         self
     }
@@ -62,7 +62,7 @@ impl Variant {
 
 /// A way to step through time, as the studies call and set it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Method {
+pub(crate) struct Method {
     /// Name on the command line.
     pub scheme: &'static str,
     /// Integrator, if the scheme has one.
@@ -71,7 +71,7 @@ pub struct Method {
 
 impl Method {
     /// As in legends.
-    pub fn label(&self) -> String {
+    pub(crate) fn label(&self) -> String {
         match self.integrator {
             Some("tr-bdf2") => format!("{} TR-BDF2", self.scheme),
             Some("backward-euler") => format!("{} backward Euler", self.scheme),
@@ -80,7 +80,7 @@ impl Method {
     }
 
     /// Its overrides.
-    pub fn overrides(&self) -> Vec<String> {
+    pub(crate) fn overrides(&self) -> Vec<String> {
         let scheme = [format!("scheme.name=\"{}\"", self.scheme)];
         let integrator = self
             .integrator
@@ -89,7 +89,7 @@ impl Method {
     }
 
     /// Order in time.
-    pub fn order(&self) -> f64 {
+    pub(crate) fn order(&self) -> f64 {
         match self.integrator {
             Some("tr-bdf2") => 2.0,
             _ => 1.0,
@@ -97,7 +97,7 @@ impl Method {
     }
 
     /// A variant that runs by this method, with the solver unless it needs none.
-    pub fn variant(&self, solver: Option<&str>) -> Variant {
+    pub(crate) fn variant(&self, solver: Option<&str>) -> Variant {
         let solver = solver.filter(|_| self.scheme != "explicit");
         Variant {
             scheme: self.label(),

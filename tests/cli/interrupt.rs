@@ -4,11 +4,9 @@
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::support::Place;
-
-const PATIENCE: Duration = Duration::from_secs(30);
+use crate::support::{Place, wait_for};
 
 /// A running program that does not outlive a failed test.
 struct Running(Child);
@@ -56,17 +54,6 @@ fn start(place: &Place, arguments: &[&str]) -> Running {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
     Running(command.spawn().unwrap())
-}
-
-fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !done() {
-        assert!(
-            start.elapsed() < PATIENCE,
-            "{what}: nothing after {PATIENCE:?}"
-        );
-        std::thread::sleep(Duration::from_millis(10));
-    }
 }
 
 fn text(place: &Place, name: &str) -> String {

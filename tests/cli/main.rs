@@ -21,5 +21,6 @@ mod repeats;
 mod restart;
 mod runs;
 mod solver_flags;
+mod starts;
 mod studies;
 mod support;

@@ -6,13 +6,10 @@
 #![cfg(unix)]
 
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::support::Place;
-
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::support::{Place, wait_for};
 
 /// Whether runs over several processes are possible here.
 pub fn possible() -> bool {
@@ -320,17 +317,6 @@ fn a_process_that_dies_ends_the_run_and_leaves_whole_files() {
     assert!(outputs.len() >= 2, "{collection}");
     for output in outputs {
         assert_eq!(points_in_pieces(&place, &format!("out/{output}")), 64);
-    }
-}
-
-fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !done() {
-        assert!(
-            start.elapsed() < PATIENCE,
-            "{what}: nothing after {PATIENCE:?}"
-        );
-        std::thread::sleep(Duration::from_millis(10));
     }
 }
 

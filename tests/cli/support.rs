@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
 use tempfile::TempDir;
@@ -124,6 +125,22 @@ pub fn list(folder: &Path) -> Vec<String> {
     names.retain(|name| !name.starts_with(".perifrac-files") && !name.ends_with(".pfc"));
     names.sort();
     names
+}
+
+/// Longest wait for what a program does.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Waits until something is done.
+#[track_caller]
+pub fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !done() {
+        assert!(
+            start.elapsed() < PATIENCE,
+            "{what}: nothing after {PATIENCE:?}"
+        );
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// A call that must fail, and what it must say.

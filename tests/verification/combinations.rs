@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use perifrac::plan::capability::{Feature, Features, broken, completed, features, refusals};
 use perifrac::plan::{Plan, resolve_any, resolve_for};
-use perifrac::run::{Interrupt, examine_for, run};
+use perifrac::run::{Interrupt, examine, run};
 use perifrac::scene::{LoadedScene, SchemeName, load_str};
 use perifrac::schemes;
 use perifrac_solvers::BACKENDS;
@@ -229,7 +229,7 @@ fn judge(plan: &Plan, processes: usize) -> Result<bool, String> {
         (Some(refusal), Err(told)) if told.ends_with(refusal.as_str()) => Ok(()),
         (refusal, result) => Err(format!("{result:?}, but the table: {refusal:?}")),
     };
-    let examined = examine_for::<2>(plan, processes);
+    let examined = examine::<2>(plan, processes);
     end(examined.map(drop).map_err(|error| error.to_string()))
         .map_err(|why| format!("check: {why}"))?;
     // Several processes are only thought of: what one can run is run by one.

@@ -9,7 +9,7 @@ use crate::support::{plan_of, run_text, try_run};
 
 /// A bar that a pulse sets in motion and that is left to itself from t = 2 on; waves take 1 to run
 /// along it.
-const BAR: &str = r#"
+pub const BAR: &str = r#"
 title = "bar"
 [geometry]
 type = "lattice"
@@ -29,12 +29,12 @@ traction = [{ time = [0, 1, 2], value = [0, 1, 0] }, 0]
 name = "explicit"
 [time]
 end = 5
-step = 0.01
 [output]
 "#;
 
 fn balance(text: &str, overrides: &[&str]) -> Balance {
-    run_text(text, overrides).0.balance
+    let overrides = [&["time.step=0.01"][..], overrides].concat();
+    run_text(text, &overrides).0.balance
 }
 
 /// Of three steps, each half of the one before, the ratios of the errors at one time.

@@ -8,8 +8,8 @@ fn a_flow_scene_holds_a_pressure_and_nothing_else() {
         "five-spot",
         &["geometry.points=[20, 20]", "time.mode=steady"],
     );
-    let fields: Vec<_> = summary.counters.field_bytes.iter().collect();
-    assert_eq!(fields, [(&"pressure", &(8 * 400))]);
+    let fields = &summary.counters.field_bytes;
+    assert_eq!((fields.len(), fields["pressure"]), (1, 8 * 400));
     for absent in ["mechanics", "damage", "coupling", "gravity"] {
         assert_eq!(summary.counters.evaluations(absent), 0, "{absent}");
     }

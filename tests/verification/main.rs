@@ -23,6 +23,7 @@ mod poroelastic;
 mod restart;
 mod shares;
 mod shelf;
+mod split;
 mod stages;
 mod theis;
 mod toughness;

@@ -370,24 +370,10 @@ end = 6
 fn what_a_mechanics_scene_does_not_name_is_not_there() {
     let (summary, state) = run_text(BAR, &[]);
     assert!(state.pressure.is_empty() && state.velocity.is_empty() && state.walls.is_empty());
-    assert_eq!(
-        summary
-            .counters
-            .field_bytes
-            .keys()
-            .copied()
-            .collect::<Vec<_>>(),
-        ["displacement"]
-    );
-    assert_eq!(
-        summary
-            .counters
-            .evaluations
-            .keys()
-            .copied()
-            .collect::<Vec<_>>(),
-        ["traction"]
-    );
+    let field_bytes: Vec<_> = summary.counters.field_bytes.keys().collect();
+    assert_eq!(field_bytes, ["displacement"]);
+    let evaluations: Vec<_> = summary.counters.evaluations.keys().collect();
+    assert_eq!(evaluations, ["traction"]);
     assert!(summary.pressure_range.is_none() && summary.coupling.is_none());
     assert_eq!(summary.counters.solver.factorisations, 0, "no flow matrix");
     assert_eq!(

@@ -10,6 +10,8 @@ use perifrac::run::{
 };
 use perifrac::scene::{self, LoadedScene};
 
+use crate::dynamics::BAR;
+
 /// Small forms of all bundled cases, and of what schemes, integrators and solvers there are.
 const CASES: &[(&str, &[&str])] = &[
     ("five-spot", &["geometry.points=[24, 24]"]),
@@ -97,10 +99,17 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     ("injection-rate/smoke", &["time.end=0.05 s"]),
     ("penny-3d/smoke", &[]),
-    (BAR, &[]),
+    // Dynamics, which no bundled case has.
+    (
+        BAR,
+        &["geometry.points=[16, 4]", "time.end=3", "output.every=1"],
+    ),
     (
         BAR,
         &[
+            "geometry.points=[16, 4]",
+            "time.end=3",
+            "output.every=1",
             "materials.rock.permeability=1e-3",
             "materials.rock.storage=10",
             "materials.rock.biot_coefficient=1",
@@ -111,31 +120,6 @@ const CASES: &[(&str, &[&str])] = &[
         ],
     ),
 ];
-
-/// Dynamics, which no bundled case has: a bar that a pulse sets in motion.
-const BAR: &str = r#"
-title = "bar"
-[geometry]
-type = "lattice"
-size = [1, 0.25]
-points = [16, 4]
-[materials.rock]
-youngs_modulus = 2.5
-poissons_ratio = 0.25
-density = 3
-[mechanics]
-mode = "dynamic"
-[mechanics.boundary.left]
-clamped = true
-[mechanics.boundary.right]
-traction = [{ time = [0, 1, 2], value = [0, 1, 0] }, 0]
-[scheme]
-name = "explicit"
-[time]
-end = 3
-[output]
-every = 1
-"#;
 
 fn loaded((case, overrides): (&str, &[&str])) -> LoadedScene {
     if case == BAR {

@@ -8,7 +8,7 @@ use perifrac::scene::{LoadedScene, load_str};
 use perifrac::schemes::State;
 
 /// A square, squeezed by tractions, whose pores drain to the right.
-const SQUARE: &str = r#"
+pub const SQUARE: &str = r#"
 title = "Square"
 [geometry]
 type = "lattice"
@@ -45,8 +45,8 @@ plots = false
 vtu = false
 "#;
 
-fn loaded(overrides: &[String]) -> LoadedScene {
-    load_str("square", SQUARE, Path::new("."), overrides).unwrap_or_else(|e| panic!("{e}"))
+fn loaded(text: &str, overrides: &[String]) -> LoadedScene {
+    load_str("square", text, Path::new("."), overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn set(keys: &[&str]) -> Vec<String> {
@@ -54,7 +54,15 @@ fn set(keys: &[&str]) -> Vec<String> {
 }
 
 fn run_in(folder: &Path, overrides: &[String]) -> Result<(Plan, Summary, State), RunError> {
-    let loaded = loaded(overrides);
+    run_text_in(folder, SQUARE, overrides)
+}
+
+fn run_text_in(
+    folder: &Path,
+    text: &str,
+    overrides: &[String],
+) -> Result<(Plan, Summary, State), RunError> {
+    let loaded = loaded(text, overrides);
     let plan = resolve(&loaded, "square").unwrap_or_else(|e| panic!("{e}"));
     let mut writer = Writer::create(folder, &loaded.resolved_toml())?;
     let interrupt = Interrupt::default();
@@ -165,6 +173,44 @@ fn damage_that_is_switched_on_in_compressed_rock_breaks_nothing() {
         error.contains("damage") && error.contains("[damage]"),
         "{error}"
     );
+}
+
+/// The square without fluid, under its loads alone.
+const DRY: &[&str] = &["time.end=1e-3 s", "materials.rock.density=2500"];
+
+/// Waves take 4e-4 s through the square, so that at 1e-3 s nothing is at rest.
+#[test]
+fn rock_that_moves_is_not_stopped_untold() {
+    let dry = SQUARE.split("[coupling]").next().unwrap();
+    let (head, _) = dry.split_once("[flow.boundary.right]").unwrap();
+    let text = |mode: &str| {
+        let scheme = if mode == "dynamic" {
+            "explicit"
+        } else {
+            "implicit"
+        };
+        format!(
+            "{head}[mechanics]\nmode = \"{mode}\"\n[scheme]\nname = \"{scheme}\"\n[time]\nend = \"1 ms\"\n\
+             [output]\nplots = false\nvtu = false\n"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [moving, still] = ["moving", "still"].map(|name| folder.path().join(name));
+    let (dynamic, rest) = (text("dynamic"), text("quasi-static"));
+    run_text_in(&moving, &dynamic, &set(DRY)).unwrap();
+    run_text_in(&still, &rest, &set(DRY)).unwrap();
+    let second = folder.path().join("second");
+    let error = run_text_in(&second, &rest, &start(&moving, DRY)).unwrap_err();
+    let error = error.to_string();
+    assert!(error.contains("its rock moves"), "{error}");
+    assert!(error.contains("mechanics.mode = \"dynamic\""), "{error}");
+    let (_, summary, _) = run_text_in(&second, &dynamic, &start(&still, DRY)).unwrap();
+    let told = summary.warnings.join("\n");
+    assert!(told.contains("starts at rest"), "{told}");
+    // With inertia on both sides there is nothing to tell.
+    let (_, summary, _) = run_text_in(&second, &dynamic, &start(&moving, DRY)).unwrap();
+    let told = summary.warnings.join("\n");
+    assert!(!told.contains("inertia"), "{told}");
 }
 
 #[test]

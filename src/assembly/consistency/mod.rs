@@ -30,7 +30,8 @@ use crate::operators::{
 };
 
 /// What the correction achieved.
-#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Consistency {
     /// Largest column sum before, relative to the face of a cell.
     pub before: f64,

@@ -13,7 +13,7 @@ use super::super::atomic::{PART_END, PART_START};
 
 /// What a list says.
 #[derive(Debug, Default)]
-pub struct Entries {
+pub(super) struct Entries {
     /// Files with their sums; none of a file that was growing when the run was killed.
     pub files: BTreeMap<String, Option<Sum>>,
     /// Temporary files.
@@ -22,7 +22,7 @@ pub struct Entries {
 
 /// What tells the content of a file from any other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sum {
+pub(crate) struct Sum {
     /// CRC-32.
     pub check: u32,
     /// Bytes.
@@ -36,7 +36,7 @@ impl Entries {
     ///
     /// # Errors
     /// [`OutputError`] if it cannot be read.
-    pub fn read(list: &Path) -> Result<Self, OutputError> {
+    pub(super) fn read(list: &Path) -> Result<Self, OutputError> {
         let bytes = std::fs::read(list);
         let bytes = bytes.map_err(|e| OutputError::from_io(list, "read the list of files", e))?;
         let text = String::from_utf8_lossy(&bytes);
@@ -70,7 +70,7 @@ impl Entries {
     }
 
     /// Whether the file at `path`, which bears the name, is what the list says of it.
-    pub fn owns(&self, path: &Path, name: &str) -> bool {
+    pub(super) fn owns(&self, path: &Path, name: &str) -> bool {
         match self.files.get(name) {
             None => false,
             Some(None) => true,
@@ -79,13 +79,13 @@ impl Entries {
     }
 
     /// Temporary files of the list that are there.
-    pub fn parts_in(&self, folder: &Path) -> Vec<PathBuf> {
+    pub(super) fn parts_in(&self, folder: &Path) -> Vec<PathBuf> {
         let parts = self.parts.iter().map(|name| folder.join(name));
         parts.filter(is_file).collect()
     }
 
     /// Files of the list that are there and unchanged, temporary ones too.
-    pub fn unchanged(&self, folder: &Path) -> Vec<PathBuf> {
+    pub(super) fn unchanged(&self, folder: &Path) -> Vec<PathBuf> {
         let files = self.files.keys().map(|name| (name, folder.join(name)));
         let files = files.filter(|(name, path)| is_file(path) && self.owns(path, name));
         let files = files.map(|(_, path)| path);
@@ -113,7 +113,7 @@ impl Sum {
     ///
     /// # Errors
     /// Those of reading it.
-    pub fn of(path: &Path) -> io::Result<Self> {
+    pub(crate) fn of(path: &Path) -> io::Result<Self> {
         let mut reader = flate2::CrcReader::new(File::open(path)?);
         let mut buffer = vec![0; 1 << 16];
         while io::Read::read(&mut reader, &mut buffer)? > 0 {}
@@ -124,7 +124,7 @@ impl Sum {
     ///
     /// # Errors
     /// Those of asking for its size.
-    pub fn new(check: u32, path: &Path) -> io::Result<Self> {
+    pub(crate) fn new(check: u32, path: &Path) -> io::Result<Self> {
         let data = path.metadata()?;
         let changed = data.modified()?.duration_since(UNIX_EPOCH);
         Ok(Sum {

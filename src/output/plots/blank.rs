@@ -5,46 +5,23 @@ use std::path::Path;
 use super::{FieldPlot, LinePlot, Multiples, PathPlot};
 use crate::output::OutputError;
 
-/// Draws nothing.
-///
-/// # Errors
-/// None.
-pub fn field_png(_path: impl AsRef<Path>, _plot: &FieldPlot<'_>) -> Result<(), OutputError> {
-    Ok(())
+/// Functions that draw nothing, whatever they are given.
+macro_rules! draw_nothing {
+    ($($name:ident($plot:ty $(, $more:ty)?)),*) => {$(
+        /// Draws nothing.
+        ///
+        /// # Errors
+        /// None.
+        pub fn $name(_: impl AsRef<Path>, _: &$plot $(, _: $more)?) -> Result<(), OutputError> {
+            Ok(())
+        }
+    )*};
 }
 
-/// Draws nothing.
-///
-/// # Errors
-/// None.
-pub fn multiples_png(_path: impl AsRef<Path>, _plot: &Multiples<'_>) -> Result<(), OutputError> {
-    Ok(())
-}
-
-/// Draws nothing.
-///
-/// # Errors
-/// None.
-pub fn animation_png(
-    _path: impl AsRef<Path>,
-    _plot: &Multiples<'_>,
-    _seconds_per_frame: f64,
-) -> Result<(), OutputError> {
-    Ok(())
-}
-
-/// Draws nothing.
-///
-/// # Errors
-/// None.
-pub fn lines_svg(_path: impl AsRef<Path>, _plot: &LinePlot<'_>) -> Result<(), OutputError> {
-    Ok(())
-}
-
-/// Draws nothing.
-///
-/// # Errors
-/// None.
-pub fn paths_svg(_path: impl AsRef<Path>, _plot: &PathPlot<'_>) -> Result<(), OutputError> {
-    Ok(())
-}
+draw_nothing!(
+    field_png(FieldPlot<'_>),
+    multiples_png(Multiples<'_>),
+    animation_png(Multiples<'_>, f64),
+    lines_svg(LinePlot<'_>),
+    paths_svg(PathPlot<'_>)
+);

@@ -85,7 +85,7 @@ fn opposite(side: Side) -> Side {
 ///
 /// # Errors
 /// What of the plan the solution does not cover.
-pub fn terzaghi(plan: &Plan) -> Result<Terzaghi, String> {
+pub(super) fn terzaghi(plan: &Plan) -> Result<Terzaghi, String> {
     let (rock, mechanics, drained) = (rock(plan)?, mechanics(plan)?, drained_side(plan)?);
     let (origin, size) = domain(plan)?;
     let load = match &mechanics.sides[drained.index()] {
@@ -126,7 +126,7 @@ pub fn terzaghi(plan: &Plan) -> Result<Terzaghi, String> {
 ///
 /// # Errors
 /// What of the plan the solution does not cover.
-pub fn mandel(plan: &Plan) -> Result<Mandel, String> {
+pub(super) fn mandel(plan: &Plan) -> Result<Mandel, String> {
     require(plan.dimension == 2, "the Mandel solution is for the plane")?;
     let (rock, mechanics, drained) = (rock(plan)?, mechanics(plan)?, drained_side(plan)?);
     let (origin, size) = domain(plan)?;

@@ -1,8 +1,8 @@
 //! How the run goes, what it writes, and what it is compared with.
 
 use crate::plan::types::{
-    Acceleration, AuditPlan, Integrator, OutputPlan, Probe, Profile, ReferenceKind, ReferencePlan,
-    SchemeChoice, SchemeOptions, SolidMethod, StepRule, TimeMode, TimePlan,
+    AuditPlan, Integrator, OutputPlan, Probe, Profile, ReferencePlan, SchemeChoice, SchemeOptions,
+    StepRule, TimePlan,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, Spanned};
@@ -20,11 +20,7 @@ pub(super) fn time(time: &scene::TimeControl, fractures: bool) -> TimePlan {
     };
     let steady = time.is_steady();
     TimePlan {
-        mode: if steady {
-            TimeMode::Steady
-        } else {
-            TimeMode::Transient
-        },
+        mode: time.mode.value,
         start: 0.0,
         end: time.end.filter(|_| !steady).map_or(0.0, |end| end.value()),
         step: time
@@ -45,7 +41,7 @@ pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
     let whole = scene.fracture_flow.is_some() || inertia;
     let typed = scene.time.integrator.span.is_somewhere();
     let integrator = match scene.time.integrator.value {
-        scene::Integrator::TrBdf2 if typed || !whole => Integrator::TrBdf2,
+        Integrator::TrBdf2 if typed || !whole => Integrator::TrBdf2,
         _ => Integrator::BackwardEuler,
     };
     match scene.scheme.name.value {
@@ -61,19 +57,11 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
     let count = |number: Spanned<u64>| usize::try_from(number.value).unwrap_or(usize::MAX);
     SchemeOptions {
         relaxation: scheme.relaxation.value(),
-        acceleration: match scheme.acceleration {
-            scene::Acceleration::Anderson => Acceleration::Anderson,
-            scene::Acceleration::Aitken => Acceleration::Aitken,
-            scene::Acceleration::None => Acceleration::None,
-        },
+        acceleration: scheme.acceleration,
         coupling_tolerance: scheme.coupling_tolerance.value(),
         coupling_iterations: count(scheme.coupling_iterations),
         single_pass: scheme.single_pass,
-        solid: match scheme.solid {
-            scene::SolidMethod::Switched => SolidMethod::Switched,
-            scene::SolidMethod::Adr => SolidMethod::Adr,
-            scene::SolidMethod::Verlet => SolidMethod::Verlet,
-        },
+        solid: scheme.solid,
         adr_tolerance: scheme.adr_tolerance.value(),
         adr_iterations: count(scheme.adr_iterations),
         adr_smoothing: scheme.adr_smoothing.value(),
@@ -139,15 +127,7 @@ pub(super) fn output(output: &scene::Output, time: &scene::TimeControl) -> Outpu
 
 pub(super) fn reference_plan(reference: &scene::Reference) -> ReferencePlan {
     ReferencePlan {
-        kind: match reference.kind.value {
-            scene::ReferenceKind::FiveSpot => ReferenceKind::FiveSpot,
-            scene::ReferenceKind::TwoLayer => ReferenceKind::TwoLayer,
-            scene::ReferenceKind::Theis => ReferenceKind::Theis,
-            scene::ReferenceKind::Manufactured => ReferenceKind::Manufactured,
-            scene::ReferenceKind::Terzaghi => ReferenceKind::Terzaghi,
-            scene::ReferenceKind::Mandel => ReferenceKind::Mandel,
-            scene::ReferenceKind::Sneddon => ReferenceKind::Sneddon,
-        },
+        kind: reference.kind.value,
         exclude: reference.exclude.map(|radius| radius.value()),
     }
 }

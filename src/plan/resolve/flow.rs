@@ -1,8 +1,6 @@
 //! Flow and what drives it.
 
-use crate::plan::types::{
-    FlowPlan, GradientChoice, GravityPlan, OperatorChoice, RegionPressure, SideCondition, WellPlan,
-};
+use crate::plan::types::{FlowPlan, GravityPlan, RegionPressure, SideCondition, WellPlan};
 use crate::scene::quantity::values;
 use crate::scene::{self, Condition};
 
@@ -21,13 +19,9 @@ pub(super) fn flow_plan(flow: &scene::Flow, scene: &scene::Scene) -> FlowPlan {
         };
     }
     FlowPlan {
-        operator: match flow.operator {
-            scene::Operator::Auto => OperatorChoice::Auto,
-            scene::Operator::Correspondence => OperatorChoice::Correspondence,
-            scene::Operator::Bond => OperatorChoice::Bond,
-        },
+        operator: flow.operator,
         hourglass: flow.hourglass.value(),
-        gradient: gradient(flow.gradient.value),
+        gradient: flow.gradient.value,
         initial_pressure: pressure.map_or(flow.initial_pressure.value(), |own| own.value()),
         hydrostatic_start: pressure
             .map_or(flow.hydrostatic_start.value, |own| own.is_hydrostatic()),
@@ -42,14 +36,6 @@ pub(super) fn flow_plan(flow: &scene::Flow, scene: &scene::Scene) -> FlowPlan {
                 pressure: region.pressure.resolved(),
             })
             .collect(),
-    }
-}
-
-pub(super) fn gradient(gradient: scene::Gradient) -> GradientChoice {
-    match gradient {
-        scene::Gradient::Auto => GradientChoice::Auto,
-        scene::Gradient::Plain => GradientChoice::Plain,
-        scene::Gradient::DivergenceConsistent => GradientChoice::DivergenceConsistent,
     }
 }
 

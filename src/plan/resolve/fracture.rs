@@ -2,9 +2,8 @@
 
 use super::Resolver;
 use crate::plan::types::{
-    ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan,
-    EnergySplit, Exponent, FractureFlowPlan, HourglassRule, InjectionPlan, Normalise,
-    TransmissivityRule,
+    ApertureRule, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan, EnergySplit,
+    Exponent, FractureFlowPlan, HourglassRule, InjectionPlan, Normalise, TransmissivityRule,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, disc_in_plane, points_in_space};
@@ -37,10 +36,7 @@ impl Resolver<'_> {
 pub(super) fn cracks(scene: &scene::Scene, thickness: f64) -> Vec<CrackPlan> {
     let crack = |entry: &scene::Entry<scene::Crack>| CrackPlan {
         name: entry.name.clone(),
-        kind: match entry.value.kind.value {
-            scene::CrackKind::Cut => CrackKind::Cut,
-            scene::CrackKind::Damaged => CrackKind::Damaged,
-        },
+        kind: entry.value.kind.value,
         place: place(&entry.value),
         pressure: entry.value.pressure.as_ref().map(scene::Load::resolved),
         injection: (entry.value.injection.as_deref()).map(|own| injection(own, thickness)),

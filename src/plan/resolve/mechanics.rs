@@ -1,7 +1,6 @@
 //! Deformation of the rock, and what holds and loads it.
 
 use super::Resolver;
-use super::flow::gradient;
 use crate::load::Load;
 use crate::plan::types::{CouplingPlan, GradientChoice, MechanicsPlan, Support, TractionPlan};
 use crate::scene::quantity::{Dimension, values};
@@ -42,7 +41,7 @@ impl Resolver<'_> {
 /// are no layer that the divergence-consistent gradient knows.
 fn solid_gradient(mechanics: &Mechanics, scene: &scene::Scene) -> GradientChoice {
     let breaks = scene.damage.is_some() || !scene.cracks.is_empty();
-    match gradient(mechanics.gradient.value) {
+    match mechanics.gradient.value {
         GradientChoice::Auto if breaks => GradientChoice::Plain,
         chosen => chosen,
     }

@@ -1,6 +1,7 @@
 //! What a plan says about cracks.
 
 use super::Load;
+pub use crate::scene::CrackKind;
 
 /// A crack that is there from the start.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,16 +26,6 @@ impl CrackPlan {
             CrackPlace::Disc { .. } => &[],
         }
     }
-}
-
-/// How a crack is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CrackKind {
-    /// Bonds across it do not exist.
-    Cut,
-    /// Points within one horizon of it are broken.
-    Damaged,
 }
 
 /// Where a crack is.

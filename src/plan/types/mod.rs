@@ -10,8 +10,10 @@ mod scheme;
 use std::path::PathBuf;
 
 use perifrac_solvers::SolverSpec;
-use serde::Serialize;
 
+pub use crate::scene::{
+    Gradient as GradientChoice, Mode as TimeMode, Operator as OperatorChoice, ReferenceKind,
+};
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
     ApertureRule, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FractureFlowPlan,
@@ -202,30 +204,6 @@ impl FlowPlan {
     }
 }
 
-/// Diffusion operators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum OperatorChoice {
-    /// By the permeabilities of the points.
-    Auto,
-    /// Mobility of the point, gradient and hourglass term.
-    Correspondence,
-    /// Harmonic mean per bond.
-    Bond,
-}
-
-/// Gradients of the correspondence operators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum GradientChoice {
-    /// Divergence-consistent where the spacing varies and planes are known, plain elsewhere.
-    Auto,
-    /// Eq. 57.
-    Plain,
-    /// With column sums corrected.
-    DivergenceConsistent,
-}
-
 impl GradientChoice {
     /// Whether the gradient is made divergence-consistent on a cloud that is irregular or not and
     /// has planes or not.
@@ -317,16 +295,6 @@ pub struct StartPlan {
     pub resets_displacement: bool,
 }
 
-/// Transient or steady.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TimeMode {
-    /// Steps in time.
-    Transient,
-    /// One solve.
-    Steady,
-}
-
 /// How steps are chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepRule {
@@ -410,24 +378,4 @@ pub struct ReferencePlan {
     pub kind: ReferenceKind,
     /// Radius around wells left out of the error norms, m; `None` for the solution's own.
     pub exclude: Option<f64>,
-}
-
-/// Names of exact solutions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ReferenceKind {
-    /// Confined five-spot.
-    FiveSpot,
-    /// Two layers in series.
-    TwoLayer,
-    /// Line source in the unbounded plane.
-    Theis,
-    /// Manufactured solution; it also supplies the source.
-    Manufactured,
-    /// Consolidation of a drained column.
-    Terzaghi,
-    /// Consolidation of a slab between rigid plates.
-    Mandel,
-    /// A pressurised crack in an unbounded plane; its opening.
-    Sneddon,
 }

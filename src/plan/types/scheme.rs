@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::scene::SchemeName;
+pub use crate::scene::{Acceleration, Integrator, SolidMethod};
 
 /// Time scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -49,26 +50,6 @@ impl SchemeChoice {
     }
 }
 
-/// Implicit integrators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Integrator {
-    /// Backward Euler.
-    BackwardEuler,
-    /// Trapezoidal rule and second backward difference.
-    TrBdf2,
-}
-
-impl Integrator {
-    /// Name as in scenes.
-    pub fn name(self) -> &'static str {
-        match self {
-            Integrator::BackwardEuler => "backward-euler",
-            Integrator::TrBdf2 => "tr-bdf2",
-        }
-    }
-}
-
 /// Settings of the schemes that join fields or move the solid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SchemeOptions {
@@ -90,28 +71,4 @@ pub struct SchemeOptions {
     pub adr_iterations: usize,
     /// Weight of the newest damping in dynamic relaxation.
     pub adr_smoothing: f64,
-}
-
-/// Accelerations of the iterations between flow and mechanics.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Acceleration {
-    /// Combines the last few iterates.
-    Anderson,
-    /// Scales the last change.
-    Aitken,
-    /// Takes the iterates as they are.
-    None,
-}
-
-/// Ways to move the solid without a linear system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SolidMethod {
-    /// Dynamic relaxation where forces are out of balance, a single step where they are not.
-    Switched,
-    /// Adaptive dynamic relaxation.
-    Adr,
-    /// A single step of velocity Verlet from rest.
-    Verlet,
 }

@@ -9,7 +9,7 @@ use crate::plan::Plan;
 use crate::schemes::State;
 
 /// Tables of all cracks of a run.
-pub struct Cracks {
+pub(super) struct Cracks {
     folder: PathBuf,
     tables: Vec<Option<History>>,
     /// Time up to which tables that are there are continued, s.
@@ -20,7 +20,7 @@ pub struct Cracks {
 
 impl Cracks {
     /// Tables of the cracks of `plan`, to be written into `folder`.
-    pub fn new(folder: &Path, plan: &Plan) -> Self {
+    pub(super) fn new(folder: &Path, plan: &Plan) -> Self {
         Cracks {
             folder: folder.to_owned(),
             tables: plan.cracks.iter().map(|_| None).collect(),
@@ -33,7 +33,7 @@ impl Cracks {
     ///
     /// # Errors
     /// [`OutputError`] if a table cannot be read.
-    pub fn resume(&mut self, plan: &Plan, until: f64) -> Result<(), OutputError> {
+    pub(super) fn resume(&mut self, plan: &Plan, until: f64) -> Result<(), OutputError> {
         self.until = Some(until);
         if !until.is_finite() {
             return Ok(());
@@ -58,7 +58,7 @@ impl Cracks {
     ///
     /// # Errors
     /// [`OutputError`] if a table cannot be written.
-    pub fn record<const D: usize>(
+    pub(super) fn record<const D: usize>(
         &mut self,
         plan: &Plan,
         model: &Model<D>,
@@ -98,7 +98,7 @@ impl Cracks {
     ///
     /// # Errors
     /// Those of [`lines_svg`].
-    pub fn draw(&self, plan: &Plan) -> Result<(), OutputError> {
+    pub(super) fn draw(&self, plan: &Plan) -> Result<(), OutputError> {
         for (crack, [distance, opening, exact]) in plan.cracks.iter().zip(&self.last) {
             let line = |label, y, style| Series {
                 label,

@@ -36,7 +36,7 @@ impl Array<'_> {
 ///
 /// # Errors
 /// Those of [`write_vtu`].
-pub fn write<const D: usize>(
+pub(super) fn write<const D: usize>(
     path: &Path,
     model: &Model<D>,
     state: &State,
@@ -63,7 +63,7 @@ pub fn write<const D: usize>(
 ///
 /// # Errors
 /// Those of [`write_pvtu`].
-pub fn write_index<const D: usize>(
+pub(super) fn write_index<const D: usize>(
     path: &Path,
     model: &Model<D>,
     state: &State,

@@ -9,7 +9,7 @@ use crate::output::{
 const MARK: &str = "resolved.toml";
 
 /// A folder and the right to write there.
-pub struct Hold {
+pub(super) struct Hold {
     folder: PathBuf,
     /// Closed before the lock is given back.
     manifest: Option<Manifest>,
@@ -24,7 +24,7 @@ impl Hold {
     /// # Errors
     /// [`OutputError::Foreign`] for other things in it, [`OutputError::Busy`] if another run writes there,
     /// else why it cannot be used.
-    pub fn take(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
+    pub(super) fn take(folder: &Path, resolved: &str) -> Result<Self, OutputError> {
         let is_empty = prepare(folder)?;
         let lock = FolderLock::take(folder)?;
         let mut hold = Hold {
@@ -41,7 +41,7 @@ impl Hold {
     ///
     /// # Errors
     /// [`OutputError::Busy`] if another run writes there, else why it cannot be used.
-    pub fn go_on(folder: &Path) -> Result<Self, OutputError> {
+    pub(super) fn go_on(folder: &Path) -> Result<Self, OutputError> {
         let lock = FolderLock::take(folder)?;
         Ok(Hold {
             manifest: Some(Manifest::go_on(folder)?),
@@ -51,7 +51,7 @@ impl Hold {
     }
 
     /// The part of a further process of a run.
-    pub fn follow(folder: &Path) -> Self {
+    pub(super) fn follow(folder: &Path) -> Self {
         Hold {
             folder: folder.to_owned(),
             manifest: None,
@@ -64,7 +64,7 @@ impl Hold {
     ///
     /// # Errors
     /// [`OutputError`] of a file that cannot be removed or written.
-    pub fn begin(&mut self, resolved: &str) -> Result<(), OutputError> {
+    pub(super) fn begin(&mut self, resolved: &str) -> Result<(), OutputError> {
         self.manifest = None;
         remove_results(&self.folder)?;
         self.manifest = Some(Manifest::start(&self.folder)?);
@@ -77,7 +77,7 @@ impl Hold {
     ///
     /// # Errors
     /// [`OutputError`] if it cannot be written.
-    pub fn list(&mut self) -> Result<(), OutputError> {
+    pub(super) fn list(&mut self) -> Result<(), OutputError> {
         if self.manifest.is_none() {
             self.manifest = Some(Manifest::follow(&self.folder)?);
         }
@@ -85,7 +85,7 @@ impl Hold {
     }
 
     /// Files that were not the run's and stood where it wrote one of its own, by their new names.
-    pub fn kept(&self) -> Vec<PathBuf> {
+    pub(super) fn kept(&self) -> Vec<PathBuf> {
         self.manifest.as_ref().map_or_else(Vec::new, Manifest::kept)
     }
 }

@@ -18,13 +18,13 @@ const SECONDS_PER_FRAME: f64 = 0.6;
 
 /// Damage at the outputs so far.
 #[derive(Debug, Default)]
-pub struct Animation {
+pub(super) struct Animation {
     pub(super) frames: Vec<(f64, Vec<f64>)>,
 }
 
 impl Animation {
     /// Keeps the damage of an output.
-    pub fn record<const D: usize>(&mut self, model: &Model<D>, state: &State) {
+    pub(super) fn record<const D: usize>(&mut self, model: &Model<D>, state: &State) {
         let damage = damage_of(model, state);
         if damage.is_empty() {
             return;
@@ -38,7 +38,7 @@ impl Animation {
     ///
     /// # Errors
     /// Those of the pictures.
-    pub fn draw<const D: usize>(
+    pub(super) fn draw<const D: usize>(
         &self,
         folder: &Path,
         plan: &Plan,

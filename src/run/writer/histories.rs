@@ -14,7 +14,7 @@ const NOTABLE: f64 = 1e-3;
 ///
 /// # Errors
 /// Those of [`lines_svg`].
-pub fn draw<const D: usize>(
+pub(super) fn draw<const D: usize>(
     folder: &Path,
     plan: &Plan,
     history: &Table,

@@ -24,7 +24,7 @@ use cracks::Cracks;
 use folder::Hold;
 use fracture::Animation;
 use profiles::Profiles;
-pub use restart::WriterRecord;
+pub(super) use restart::WriterRecord;
 pub use staged::StagedFolder;
 
 /// Writes the files of one run into its folder.
@@ -49,7 +49,7 @@ pub struct Writer {
 }
 
 /// Most rows of history: some ten megabytes of text, which every spreadsheet opens.
-pub const MOST_ROWS: usize = 100_000;
+pub(super) const MOST_ROWS: usize = 100_000;
 
 impl Writer {
     /// Prepares `folder` for results and the resolved scene.
@@ -276,7 +276,7 @@ impl Writer {
 }
 
 /// A warning where pictures are wanted of a build that draws none.
-pub fn undrawn(plan: &Plan, writer: Option<&Writer>) -> Option<String> {
+pub(super) fn undrawn(plan: &Plan, writer: Option<&Writer>) -> Option<String> {
     let wanted = plan.output.plots && writer.is_some_and(|writer| writer.leads);
     (wanted && !DRAWS)
         .then(|| "no pictures are drawn: perifrac was built without the feature `plots`".to_owned())

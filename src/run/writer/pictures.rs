@@ -23,7 +23,7 @@ struct Picture<'a> {
 ///
 /// # Errors
 /// Those of [`field_png`].
-pub fn of_output<const D: usize>(
+pub(super) fn of_output<const D: usize>(
     folder: &Path,
     number: usize,
     plan: &Plan,
@@ -52,7 +52,7 @@ pub fn of_output<const D: usize>(
 }
 
 /// Damage per point; empty without damage.
-pub fn damage_of<const D: usize>(model: &Model<D>, state: &State) -> Vec<f64> {
+pub(super) fn damage_of<const D: usize>(model: &Model<D>, state: &State) -> Vec<f64> {
     let damage = model.solid.as_ref().and_then(|solid| solid.damage.as_ref());
     damage.map_or_else(Vec::new, |damage| damage.of(&state.history))
 }
@@ -65,7 +65,10 @@ fn length(vector: &[f64]) -> f64 {
 ///
 /// # Errors
 /// Those of [`field_png`].
-pub fn of_permeability<const D: usize>(folder: &Path, model: &Model<D>) -> Result<(), OutputError> {
+pub(super) fn of_permeability<const D: usize>(
+    folder: &Path,
+    model: &Model<D>,
+) -> Result<(), OutputError> {
     let values = &model.permeability;
     let extremes = |(low, high): (f64, f64), &k: &f64| (low.min(k), high.max(k));
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0), extremes);
@@ -121,7 +124,7 @@ fn draw<const D: usize>(
 }
 
 /// All points in 2-D; in 3-D those of the layer nearest to the middle of the domain.
-pub fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
+pub(super) fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
     let cloud = &model.cloud;
     if D == 2 {
         return (0..cloud.len()).collect();

@@ -17,7 +17,7 @@ use crate::schemes::State;
 const MOST_CURVES: usize = 5;
 
 /// All profiles of a run.
-pub struct Profiles {
+pub(super) struct Profiles {
     folder: PathBuf,
     exact: Exact,
     lines: Vec<Line>,
@@ -53,7 +53,7 @@ struct Values {
 
 impl Profiles {
     /// Profiles that `plan` asks for, to be written into `folder`.
-    pub fn new(folder: &Path, plan: &Plan) -> Self {
+    pub(super) fn new(folder: &Path, plan: &Plan) -> Self {
         let lines = plan.output.profiles.iter().map(|_| Line::default());
         Profiles {
             folder: folder.to_owned(),
@@ -72,7 +72,12 @@ impl Profiles {
     ///
     /// # Errors
     /// [`OutputError`] if a table cannot be read.
-    pub fn resume(&mut self, plan: &Plan, seen: usize, until: f64) -> Result<(), OutputError> {
+    pub(super) fn resume(
+        &mut self,
+        plan: &Plan,
+        seen: usize,
+        until: f64,
+    ) -> Result<(), OutputError> {
         (self.seen, self.until) = (seen, Some(until));
         let drawn = |number: &usize| plan.output.plots && self.is_drawn(*number);
         let drawn: Vec<usize> = (1..=seen).filter(drawn).collect();
@@ -86,7 +91,7 @@ impl Profiles {
     }
 
     /// How many outputs after the start have been.
-    pub fn seen(&self) -> usize {
+    pub(super) fn seen(&self) -> usize {
         self.seen
     }
 
@@ -100,7 +105,7 @@ impl Profiles {
     ///
     /// # Errors
     /// [`OutputError`] if a table cannot be written.
-    pub fn record<const D: usize>(
+    pub(super) fn record<const D: usize>(
         &mut self,
         plan: &Plan,
         model: &Model<D>,
@@ -141,7 +146,7 @@ impl Profiles {
     ///
     /// # Errors
     /// Those of [`lines_svg`].
-    pub fn draw(&self, plan: &Plan) -> Result<(), OutputError> {
+    pub(super) fn draw(&self, plan: &Plan) -> Result<(), OutputError> {
         for (line, profile) in self.lines.iter().zip(&plan.output.profiles) {
             let name = &profile.name;
             line.draw(&self.folder, plan, name, "pressure", "")?;

@@ -92,7 +92,7 @@ pub(super) struct ListReader<'a> {
 }
 
 impl<'a> ListReader<'a> {
-    pub fn next_sound(&mut self) -> Option<(usize, &'a Node)> {
+    pub(super) fn next_sound(&mut self) -> Option<(usize, &'a Node)> {
         let (index, node) = self
             .list
             .iter()

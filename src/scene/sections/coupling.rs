@@ -12,7 +12,8 @@ use crate::scene::validate::{Context, Report, Section};
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Coupling {
-    /// Starts from the answer to the first loads before any fluid has moved.
+    /// Starts from the answer to the first loads before any fluid has moved; else from the equilibrium of the
+    /// rock under these loads at the initial pressure.
     pub undrained_start: bool,
     /// Storage that only rough pressures feel, in units of α²/(λ + 2μ): 0.1 to 1 calms nearly undrained
     /// rock in small steps.

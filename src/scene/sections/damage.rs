@@ -234,10 +234,30 @@ impl Damage {
     }
 }
 
+impl Damage {
+    /// Refuses what the split model does not know.
+    fn check_split(&self, place: Span, report: &mut Report) {
+        let keys = [
+            ("split", self.split != EnergySplit::default()),
+            ("hourglass", self.hourglass != Hourglass::default()),
+        ];
+        for (key, _) in keys.into_iter().filter(|(_, typed)| *typed) {
+            let fault = format!(
+                "`{key}` belongs to damage.model = \"paper\": the split model cuts a point by a plane; leave it out, or \
+                 set damage.model = \"paper\""
+            );
+            report.add(Diagnostic::new(fault).at(place));
+        }
+    }
+}
+
 impl Section for Damage {
     const NAME: &'static str = "damage";
 
     fn check(&self, place: Span, _: &Context<'_>, report: &mut Report) {
+        if self.model == DamageModel::Split {
+            self.check_split(place, report);
+        }
         match self.length_scale {
             Some(length) => report.positive("length_scale", length),
             None if self.normalisation() == Normalise::Off => {

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::damage::DamageModel;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{InversePressure, Length, Number, Permeability, Viscosity};
 use crate::scene::range::{Range, within};
@@ -97,7 +98,11 @@ pub enum Transmissivity {
 impl Section for FractureFlow {
     const NAME: &'static str = "fracture_flow";
 
-    fn check(&self, _: Span, _: &Context<'_>, report: &mut Report) {
+    fn check(&self, place: Span, context: &Context<'_>, report: &mut Report) {
+        let damage = context.sound(&context.draft.damage);
+        if damage.is_some_and(|damage| damage.model == DamageModel::Split) {
+            self.check_split(place, report);
+        }
         self.check_thresholds(report);
         BIOT_COEFFICIENT.check(self.biot_coefficient, report);
         report.positive("residual_aperture", self.residual_aperture);
@@ -114,6 +119,27 @@ impl Section for FractureFlow {
 }
 
 impl FractureFlow {
+    /// Refuses what the split model does not know.
+    fn check_split(&self, place: Span, report: &mut Report) {
+        let typed = |number: &Number| number.span().is_somewhere().then(|| number.span());
+        let keys = [
+            ("lower_threshold", typed(&self.lower_threshold)),
+            ("upper_threshold", typed(&self.upper_threshold)),
+            ("biot_coefficient", typed(&self.biot_coefficient)),
+            ("storage", self.storage.map(|storage| storage.span())),
+            ("aperture", (self.aperture != Aperture::default()).then_some(place)),
+            ("transmissivity", (self.transmissivity != Transmissivity::default()).then_some(place)),
+        ];
+        for (key, span) in keys {
+            let Some(span) = span else { continue };
+            let fault = format!(
+                "`{key}` belongs to damage.model = \"paper\": in the split model a crack holds what it opens by, and \
+                 conducts by that; leave it out, or set damage.model = \"paper\""
+            );
+            report.add(Diagnostic::new(fault).at(span));
+        }
+    }
+
     fn check_thresholds(&self, report: &mut Report) {
         let (lower, upper) = (self.lower_threshold, self.upper_threshold);
         LOWER_THRESHOLD.check(lower, report);

@@ -298,7 +298,7 @@ impl Section for Geometry {
 }
 
 /// The fault of a thickness in three dimensions.
-pub fn thickness_in_space(place: Span) -> Diagnostic {
+pub(crate) fn thickness_in_space(place: Span) -> Diagnostic {
     let fault = Diagnostic::new("`thickness` has no meaning in three dimensions").at(place);
     fault.help("leave it out: the third axis of the domain is its thickness")
 }

@@ -98,6 +98,16 @@ pub enum Integrator {
     BackwardEuler,
 }
 
+impl Integrator {
+    /// Name as typed.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TrBdf2 => "tr-bdf2",
+            Self::BackwardEuler => "backward-euler",
+        }
+    }
+}
+
 impl TimeControl {
     /// Whether only the state of rest is wanted.
     pub fn is_steady(&self) -> bool {

@@ -13,7 +13,7 @@ pub(super) struct Unit {
 
 impl Unit {
     /// The unit of plain numbers.
-    pub const ONE: Self = Self::si(Exponents::new(0, 0, 0));
+    pub(super) const ONE: Self = Self::si(Exponents::new(0, 0, 0));
 
     const fn si(exponents: Exponents) -> Self {
         Self::scaled(1.0, 1.0, exponents)
@@ -28,7 +28,7 @@ impl Unit {
     }
 
     /// This unit times another one raised to a whole power.
-    pub fn times(self, other: Self, power: i32) -> Self {
+    pub(super) fn times(self, other: Self, power: i32) -> Self {
         let (up, down) = match power {
             0.. => (other.multiply, other.divide),
             _ => (other.divide, other.multiply),

@@ -37,14 +37,14 @@ struct Exact {
 
 impl Assessment {
     /// From the runs of a study, compared.
-    pub fn of(runs: &[Measured]) -> Self {
+    pub(super) fn of(runs: &[Measured]) -> Self {
         let own = || {
             runs.iter()
                 .filter(|run| run.done() && !is_level(&run.variant))
         };
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let run = OverResolved::among(runs).map(|exact| Exact {
-            points: exact.run.number("/points"),
+            points: exact.run.points(),
             spacing: finite(exact.run.variant.value("spacing")),
             tolerance: finite(exact.run.variant.value("tolerance")),
             step: finite(exact.run.variant.value(breaking::STEP)),
@@ -61,7 +61,7 @@ impl Assessment {
     }
 
     /// One sentence.
-    pub fn line(&self) -> String {
+    pub(super) fn line(&self) -> String {
         let Some(run) = &self.run else {
             return "There are no errors: no over-resolved run could be verified within its time; raise \
                     --limit and --budget, or choose smaller clouds with --points."
@@ -85,7 +85,7 @@ impl Assessment {
     }
 
     /// How that was found.
-    pub fn paragraph(&self) -> String {
+    pub(super) fn paragraph(&self) -> String {
         let Some(run) = &self.run else {
             return self.line();
         };

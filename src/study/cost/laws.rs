@@ -75,7 +75,7 @@ pub(super) fn growth(done: &[&Measured]) -> (Table, serde_json::Value) {
     for (name, runs) in finest_in_time(done) {
         let pairs: Vec<Pair> = runs
             .iter()
-            .map(|run| (run.number("/points"), run.seconds()))
+            .map(|run| (run.points(), run.seconds()))
             .collect();
         let Some(fit) = Fit::of(&pairs) else { continue };
         table.rows.push(vec![
@@ -94,10 +94,7 @@ pub(super) fn draw_growth(section: &mut Section, groups: &BTreeMap<String, Vec<&
     let columns: Vec<(&String, Vec<f64>, Vec<f64>)> = groups
         .iter()
         .map(|(name, runs)| {
-            let (x, y) = runs
-                .iter()
-                .map(|run| (run.number("/points"), run.seconds()))
-                .unzip();
+            let (x, y) = runs.iter().map(|run| (run.points(), run.seconds())).unzip();
             (name, x, y)
         })
         .collect();

@@ -21,7 +21,7 @@ use super::{
 use crate::plan::exact_pressure;
 
 /// The study of cost.
-pub struct Cost;
+pub(super) struct Cost;
 
 /// A run of the study in a picture: seconds and error.
 type Pair = (f64, f64);

@@ -129,7 +129,7 @@ pub(super) fn reaching(
 /// Cost of an explicit scheme beyond its only run: error ∝ Δx², points ∝ Δx^−D, steps ∝ Δx^−2.
 fn by_theory(runs: &[&Measured], error: f64) -> Option<CostToAccuracy> {
     let [run] = runs else { return None };
-    let (dimension, own) = (run.number("/dimension"), run.error());
+    let (dimension, own) = (run.figure(|run| run.dimension as f64), run.error());
     let other_clouds = run.variant.value("spacing").is_finite();
     let near =
         other_clouds && run.variant.scheme == "explicit" && own > error && own < 100.0 * error;

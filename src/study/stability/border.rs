@@ -25,7 +25,7 @@ pub(super) struct Border {
 
 impl Border {
     /// As a row of the table.
-    pub fn cells(&self, label: &str) -> Vec<String> {
+    pub(super) fn cells(&self, label: &str) -> Vec<String> {
         let span = |span: Option<(f64, f64)>| {
             span.map_or("none".to_owned(), |(from, to)| {
                 format!("{from:.3} … {to:.3}")

@@ -30,7 +30,7 @@ pub(super) enum Class {
 
 impl Class {
     /// In the order of legends.
-    pub const ALL: [Class; 6] = [
+    pub(super) const ALL: [Class; 6] = [
         Class::Converged,
         Class::Inaccurate,
         Class::Oscillating,
@@ -40,7 +40,7 @@ impl Class {
     ];
 
     /// The class of a run.
-    pub fn of(run: &Measured) -> Class {
+    pub(super) fn of(run: &Measured) -> Class {
         match run.first().status {
             Status::Done => {}
             Status::Refused => return Class::Refused,
@@ -59,7 +59,7 @@ impl Class {
     }
 
     /// Whether nothing grew that the exact solution has not; swings may be there, if they fade.
-    pub fn is_stable(self) -> bool {
+    pub(super) fn is_stable(self) -> bool {
         matches!(
             self,
             Class::Converged | Class::Inaccurate | Class::Oscillating
@@ -67,7 +67,7 @@ impl Class {
     }
 
     /// As in legends.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Class::Converged => "converged",
             Class::Inaccurate => "inaccurate",
@@ -82,10 +82,10 @@ impl Class {
 /// Largest error of the fields at the end over their ranges; NaN without an exact solution. The range
 /// of a pressure that has drained is not below a share of the pressure at the start.
 fn error(run: &Measured, start: f64) -> f64 {
-    let pressure = run.number("/errors/pressure/l2");
-    let range = run.number("/errors/pressure/range");
+    let pressure = run.error_of("pressure", |error| error.l2);
+    let range = run.error_of("pressure", |error| error.range);
     let floor = range / range.max(FADED * start);
-    let displacement = run.number("/errors/displacement/l2");
+    let displacement = run.error_of("displacement", |error| error.l2);
     (pressure * floor).max(displacement)
 }
 

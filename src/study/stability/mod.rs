@@ -21,7 +21,7 @@ use super::{
 };
 
 /// The study of stability.
-pub struct Stability;
+pub(super) struct Stability;
 
 /// Ratio of neighbouring steps and strengths: a quarter of a decade.
 const CELL: f64 = 1.778_279_410_038_922_8;
@@ -119,7 +119,7 @@ impl Study for Stability {
              that the run stopped or that its pressure or its error grew, inaccurate an error above \
              {INACCURATE} at the end. Oscillating means that the pressure, which neither grew, turned \
              again and again from one step to the next or undershot zero, by more than {OVERSHOOT}.",
-            runs.first().map_or(0.0, |run| run.number("/points"))
+            runs.first().map_or(0.0, |run| run.points())
         ));
         let axis = if coupled { "strength" } else { "contrast" };
         let mut table = Table::new(

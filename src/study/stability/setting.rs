@@ -27,7 +27,7 @@ impl Setting {
     ///
     /// # Errors
     /// [`StudyError::Unsuited`] where the theory does not know the cloud, the horizon or the materials.
-    pub fn new(subject: &StudyCase, options: &Options) -> Result<Self, StudyError> {
+    pub(super) fn new(subject: &StudyCase, options: &Options) -> Result<Self, StudyError> {
         let grids = subject.grids(options, (30, 1000));
         Self::of(subject, grids.into_iter().next())
     }
@@ -36,7 +36,7 @@ impl Setting {
     ///
     /// # Errors
     /// As [`Setting::new`].
-    pub fn seen(subject: &StudyCase, runs: &[Measured]) -> Result<Self, StudyError> {
+    pub(super) fn seen(subject: &StudyCase, runs: &[Measured]) -> Result<Self, StudyError> {
         let spacing = runs.first().map(|run| run.variant.value("spacing"));
         Self::of(
             subject,
@@ -104,7 +104,7 @@ impl Setting {
     }
 
     /// Storage of a strength, or that of the case, 1/Pa.
-    pub fn storage(&self, strength: f64) -> f64 {
+    pub(super) fn storage(&self, strength: f64) -> f64 {
         match self.softening > 0.0 {
             true => self.softening / strength,
             false => self.storage,
@@ -123,7 +123,7 @@ impl Setting {
     }
 
     /// The step that the axis counts in, s: the stable one of forward Euler with storage S + α²/M.
-    pub fn limit(&self, strength: f64) -> f64 {
+    pub(super) fn limit(&self, strength: f64) -> f64 {
         let largest = self
             .modes
             .iter()
@@ -133,7 +133,7 @@ impl Setting {
     }
 
     /// Smallest and largest stable step of a split, in units of the limit.
-    pub fn stable(&self, split: Split, strength: f64) -> (f64, f64) {
+    pub(super) fn stable(&self, split: Split, strength: f64) -> (f64, f64) {
         let (from, to) = split.stable(&self.modes, self.tau(strength));
         let unit = self.unit(strength) / self.limit(strength);
         (from * unit, to * unit)

@@ -6,7 +6,7 @@ use crate::geometry::Influence;
 
 /// A wave on the lattice as the operators see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mode {
+pub(super) struct Mode {
     /// Eigenvalue of −∇² times Δx².
     pub diffusion: f64,
     /// Volume change under pressure over that of the continuum, 1/M: 1 for long waves, 0 for the
@@ -16,7 +16,7 @@ pub struct Mode {
 
 /// What the modes depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lattice {
+pub(super) struct Lattice {
     /// 2 or 3.
     pub dimension: usize,
     /// Horizon over spacing.
@@ -38,7 +38,7 @@ impl Lattice {
     ///
     /// Diffusion: the bond form (2d/m) Σ ω (1 − cos k·ξ) with m = Σ ω |ξ|². Solid: Bᵀ C B with the
     /// gradient's own symbol and the hourglass term with p_hg = μ.
-    pub fn modes(&self) -> Vec<Mode> {
+    pub(super) fn modes(&self) -> Vec<Mode> {
         let bonds = self.bonds();
         let steps = |axes: usize, from: i32, to: i32| -> Vec<Vec<i32>> {
             (0..axes).fold(vec![Vec::new()], |list: Vec<Vec<i32>>, _| {
@@ -118,7 +118,7 @@ impl Lattice {
 
 /// How a method goes through the coupling.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Split {
+pub(super) enum Split {
     /// Forward Euler; strain lags, with a fixed-stress term `relaxation` times α²/M.
     Explicit {
         /// Fixed-stress term over α²/M.
@@ -142,7 +142,7 @@ impl Split {
     /// flow is explicit. Where it is implicit, d stands with z² instead,
     /// (1 + βτ + d) z² − (1 + (2β − ρ)τ) z + (β − ρ)τ = 0, hence d ≥ 2((ρ − 2β)τ − 1): damping by the
     /// flow is all that holds a lag that alone would diverge, so that small steps are the unstable ones.
-    pub fn stable(self, modes: &[Mode], tau: f64) -> (f64, f64) {
+    pub(super) fn stable(self, modes: &[Mode], tau: f64) -> (f64, f64) {
         match self {
             Split::Explicit { relaxation } => {
                 let largest = |mode: &Mode| {

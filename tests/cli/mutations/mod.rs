@@ -127,7 +127,7 @@ fn judge(text: &str, start: bool) -> Result<bool, String> {
 
 fn compare<const D: usize>(plan: &Plan, start: bool) -> Result<bool, String> {
     let told = |error: &RunError| error.to_string();
-    let examined = examine::<D>(plan);
+    let examined = examine::<D>(plan, 1);
     let checked = examined.as_ref().map(|_| ()).map_err(told);
     // What estimates alone refuse must be what the model refuses.
     let admitted = schemes::check(plan, 1).map_err(|error| told(&RunError::refused(plan, error)));

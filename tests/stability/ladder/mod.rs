@@ -77,7 +77,7 @@ fn judged(rung: &Rung) -> Outcome {
         return Outcome::Wrong(format!("mass {:.1e}", summary.balance.mass));
     }
     match &rung.judge {
-        Judge::Exact(field, bar, least) => match summary.errors.get(field) {
+        Judge::Exact(field, bar, least) => match summary.errors.get(*field) {
             Some(error) => {
                 let found = error.l2 * error.range / error.range.max(*least);
                 at_most(found, *bar, &format!("error of {field}"))

@@ -15,13 +15,14 @@ use crate::model::Model;
 use crate::schemes::{State, StepError, StepReport, flow_of};
 
 /// Fluid out of balance, relative to what moves in the step, that counts as none.
-const BALANCED_MASS: f64 = 1e-7;
+const BALANCED_MASS: f64 = 5e-7;
 /// Fluid that rounding may lose, relative to all that points hold.
 const ROUNDING: f64 = 1e-14;
 /// Share of what a pass with the exact tangent found out of balance that it may leave.
 const LEFT: f64 = 0.9;
-/// Passes after which wet points stay as they are: their map must not go round in circles.
-const SETTLES: usize = 24;
+/// Forces out of balance, relative to all forces, up to which points may become wet: far from balance a pass may break
+/// much that does not stay so.
+const NEAR: f64 = 3e-2;
 
 /// Where a pass stands.
 pub(super) struct Place<const D: usize> {
@@ -31,6 +32,8 @@ pub(super) struct Place<const D: usize> {
     pub mass: Vec<f64>,
     /// Forces out of balance, relative to all forces.
     forces: f64,
+    /// Whether points have become wet, so that it does not compare with the place before.
+    rewetted: bool,
     /// The larger of what is out of balance, forces and mass, over what is allowed.
     off: f64,
 }
@@ -50,15 +53,16 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut tried = TangentKind::Secant;
         let mut before: Option<(Vec<f64>, Place<D>)> = None;
         for pass in 0..=self.plan.iterations {
-            let mut here = self.place(model, start, state, pass)?;
+            let mut here = self.place(model, start, state)?;
             // The exact tangent may have led astray.
             if let (TangentKind::Consistent, Some((from, place))) = (tried, before.take())
+                && !here.rewetted
                 && here.forces > self.plan.tolerance.max(LEFT * place.forces)
             {
                 self.policy.failed();
                 self.acceleration.forget();
                 self.set_unknowns(&from, state);
-                here = self.return_to(model, state, place)?;
+                here = self.return_to(model, place)?;
             }
             report.passes = pass;
             if std::env::var("PF_DEBUG").is_ok() {
@@ -91,18 +95,22 @@ impl<const D: usize> FractureFlowStep<D> {
         model: &mut Model<D>,
         start: &StepStart<'_>,
         state: &State,
-        pass: usize,
     ) -> Result<Place<D>, StepError> {
         let mut at = self.evaluate(model, state)?;
-        if pass < SETTLES || pass.is_multiple_of(SETTLES) {
+        let mut forces = self.imbalance(&at, state.time)?;
+        let mut rewetted = false;
+        if forces <= NEAR {
             let before = model.wet_points();
             model.follow_fractures(&at.response, &state.displacement, &state.walls);
-            if before != model.wet_points() {
+            rewetted = before != model.wet_points();
+            if rewetted {
                 at = self.evaluate(model, state)?;
+                forces = self.imbalance(&at, state.time)?;
             }
+        } else {
+            model.follow_openings(&at.response);
         }
         let (mass, moved) = self.mass_left(model, start, state, &at)?;
-        let forces = self.imbalance(&at, state.time)?;
         let mass_off = mass.iter().map(|m| m.abs()).sum::<f64>() / moved;
         let off = (forces / self.plan.tolerance).max(mass_off / BALANCED_MASS);
         Ok(Place {
@@ -110,6 +118,7 @@ impl<const D: usize> FractureFlowStep<D> {
             mass,
             forces,
             off,
+            rewetted,
         })
     }
 
@@ -117,10 +126,9 @@ impl<const D: usize> FractureFlowStep<D> {
     fn return_to(
         &mut self,
         model: &mut Model<D>,
-        state: &State,
         place: Place<D>,
     ) -> Result<Place<D>, StepError> {
-        model.follow_fractures(&place.at.response, &state.displacement, &state.walls);
+        model.follow_openings(&place.at.response);
         Ok(place)
     }
 

@@ -26,6 +26,7 @@ use perifrac_solvers::{
 use super::acceleration::AndersonAcceleration;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
+use super::Fracture;
 use super::reuse::PreconditionerReuse;
 use super::tangent_policy::TangentPolicy;
 use super::tangents::TangentMatrix;
@@ -36,7 +37,7 @@ use crate::schemes::memory::Rates;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio, volume_stiffness};
 use crate::schemes::{
-    ImplicitSystem, Memory, Scheme, SchemeCounters, State, StepError, StepReport, coupling_of,
+    ImplicitSystem, Memory, Scheme, SchemeCounters, SolidSolver, State, StepError, StepReport, coupling_of,
     flow_of, solid_of,
 };
 pub use passes::close;
@@ -186,6 +187,21 @@ impl<const D: usize> FractureFlowStep<D> {
 }
 
 impl<const D: usize> FractureFlowStep<D> {
+    /// Brings the solid into equilibrium with the pressure of the start, and the coefficients of flow to it.
+    fn start_drained(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        flow_of(model)?.fix_values(state.time, &mut state.pressure);
+        let mut now = model.clone();
+        now.begin_step(&state.pressure);
+        Fracture::new(&self.demand, &now, self.plan)?.equilibrate(&now, state)?;
+        advance(&now, state);
+        let response = now
+            .response(&state.view())
+            .ok_or(StepError::Missing { part: "[damage]" })?;
+        now.follow_fractures(&response, &state.displacement, &state.walls);
+        self.remember(&now, state);
+        Ok(())
+    }
+
     /// Enters into a state the coefficients of the model that belongs to it, and what the next step needs.
     fn remember(&self, now: &Model<D>, state: &mut State) {
         state.coefficients = now.coefficients();
@@ -238,7 +254,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         if !coupling_of(model)?.undrained_start {
-            return Ok(());
+            return self.start_drained(model, state);
         }
         let old = state.clone();
         let report = &mut StepReport::default();

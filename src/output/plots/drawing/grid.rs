@@ -72,13 +72,13 @@ struct Tiling {
 
 impl Grid {
     /// Size of the title, px.
-    pub fn title_size(&self) -> f64 {
+    pub(super) fn title_size(&self) -> f64 {
         1.3 * self.size
     }
 
     /// Finds the arrangement with the largest panels in which nothing is clipped and one metre is
     /// equally long in both directions, unless the domain is so slender that it would become a line.
-    pub fn fit(contents: &Contents<'_>) -> Drawn<Self> {
+    pub(super) fn fit(contents: &Contents<'_>) -> Drawn<Self> {
         let room = Room::around(contents)?;
         let tiling = Tiling::largest(contents, &room);
         let mut notes = contents.notes.to_vec();

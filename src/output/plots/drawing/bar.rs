@@ -25,7 +25,7 @@ pub(super) struct Bar<'a> {
 
 impl Bar<'_> {
     /// Draws colours, marks, numbers and unit.
-    pub fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let line = (self.size / 14.0).round().max(1.0);
         self.ramp(canvas)?;
         self.frame.outline(canvas, line)?;

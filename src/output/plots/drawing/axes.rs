@@ -21,7 +21,7 @@ pub(super) struct Axis {
 impl Axis {
     /// The range of all values the axis can show, and whether they all agree. A constant gets some
     /// room on both sides; without any value the range is 0 to 1, or 1 to 10 if logarithmic.
-    pub fn covering(values: impl Iterator<Item = f64>, logarithmic: bool) -> (Self, bool) {
+    pub(super) fn covering(values: impl Iterator<Item = f64>, logarithmic: bool) -> (Self, bool) {
         let shown = |value: &f64| value.is_finite() && (!logarithmic || *value > 0.0);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(shown) {
@@ -58,12 +58,12 @@ impl Axis {
     }
 
     /// Whether the axis has a place for this value (which may still be beyond its ends).
-    pub fn shows(&self, value: f64) -> bool {
+    pub(super) fn shows(&self, value: f64) -> bool {
         value.is_finite() && (!self.logarithmic || value > 0.0)
     }
 
     /// 0 at the lower end, 1 at the upper.
-    pub fn fraction(&self, value: f64) -> f64 {
+    pub(super) fn fraction(&self, value: f64) -> f64 {
         if self.logarithmic {
             (value / self.low).log10() / (self.high / self.low).log10()
         } else {
@@ -72,7 +72,7 @@ impl Axis {
     }
 
     /// The value at a fraction of the range.
-    pub fn value(&self, fraction: f64) -> f64 {
+    pub(super) fn value(&self, fraction: f64) -> f64 {
         if self.logarithmic {
             self.low * (self.high / self.low).powf(fraction)
         } else {
@@ -81,7 +81,7 @@ impl Axis {
     }
 
     /// The same axis in other units.
-    pub fn divided(&self, divisor: f64) -> Self {
+    pub(super) fn divided(&self, divisor: f64) -> Self {
         Self {
             low: self.low / divisor,
             high: self.high / divisor,
@@ -90,7 +90,7 @@ impl Axis {
     }
 
     /// About `most` labelled marks, and at least those at the ends.
-    pub fn ticks(&self, most: usize) -> Vec<Tick> {
+    pub(super) fn ticks(&self, most: usize) -> Vec<Tick> {
         let ticks = if self.logarithmic {
             ticks::logarithmic(self.low, self.high, most)
         } else {
@@ -104,7 +104,7 @@ impl Axis {
     }
 
     /// The unlabelled marks between those of a logarithmic axis.
-    pub fn minor_ticks(&self) -> Vec<f64> {
+    pub(super) fn minor_ticks(&self) -> Vec<f64> {
         if self.logarithmic {
             ticks::logarithmic_minor(self.low, self.high)
         } else {
@@ -113,7 +113,7 @@ impl Axis {
     }
 
     /// As many labelled marks as fit side by side into `length` pixels.
-    pub fn ticks_across(&self, length: f64, size: f64) -> Drawn<Vec<Tick>> {
+    pub(super) fn ticks_across(&self, length: f64, size: f64) -> Drawn<Vec<Tick>> {
         let mut most = ((length / (4.0 * size)) as usize).clamp(1, 10);
         loop {
             let ticks = self.ticks(most);
@@ -126,7 +126,7 @@ impl Axis {
     }
 
     /// As many labelled marks as fit above each other into `length` pixels.
-    pub fn ticks_up(&self, length: f64, size: f64) -> Vec<Tick> {
+    pub(super) fn ticks_up(&self, length: f64, size: f64) -> Vec<Tick> {
         self.ticks(((length / (2.2 * size)) as usize).clamp(1, 8))
     }
 }
@@ -150,16 +150,16 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub fn right(&self) -> f64 {
+    pub(super) fn right(&self) -> f64 {
         self.left + self.width
     }
 
-    pub fn bottom(&self) -> f64 {
+    pub(super) fn bottom(&self) -> f64 {
         self.top + self.height
     }
 
     /// The place of two fractions, counted from the lower left corner.
-    pub fn place(&self, (across, up): (f64, f64)) -> Place {
+    pub(super) fn place(&self, (across, up): (f64, f64)) -> Place {
         (
             self.left + across * self.width,
             self.bottom() - up * self.height,
@@ -167,7 +167,11 @@ impl Frame {
     }
 
     /// Draws the outline.
-    pub fn outline<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, width: f64) -> Drawn<()> {
+    pub(super) fn outline<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        width: f64,
+    ) -> Drawn<()> {
         let (left, right, top, bottom) = (self.left, self.right(), self.top, self.bottom());
         canvas.rule((left, top), (right, top), width, BLACK)?;
         canvas.rule((left, bottom), (right, bottom), width, BLACK)?;
@@ -193,7 +197,7 @@ pub(super) struct Axes<'a> {
 
 impl Axes<'_> {
     /// Draws grid, marks, numbers and labels, but not the outline.
-    pub fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    pub(super) fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         self.draw_x(canvas)?;
         self.draw_y(canvas)?;
         let frame = self.frame;
@@ -220,7 +224,7 @@ impl Axes<'_> {
     }
 
     /// Draws marks and numbers below the frame.
-    pub fn draw_x<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    pub(super) fn draw_x<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let (frame, size, line) = (self.frame, self.size, self.line());
         for at in self.x.minor_ticks() {
             let (x, bottom) = frame.place((self.x.fraction(at), 0.0));
@@ -239,7 +243,7 @@ impl Axes<'_> {
     }
 
     /// Draws marks and numbers to the left of the frame.
-    pub fn draw_y<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    pub(super) fn draw_y<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let (frame, size, line) = (self.frame, self.size, self.line());
         for at in self.y.minor_ticks() {
             let (left, y) = frame.place((0.0, self.y.fraction(at)));

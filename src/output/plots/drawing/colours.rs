@@ -34,12 +34,12 @@ pub(super) struct ColourScale {
 impl ColourScale {
     /// Covers `range` if given, else all `values` that can be shown. Ranges that are symmetric about
     /// zero within 20 % get the diverging map with white at zero.
-    pub fn new(values: &[f64], range: Option<(f64, f64)>, logarithmic: bool) -> Self {
+    pub(super) fn new(values: &[f64], range: Option<(f64, f64)>, logarithmic: bool) -> Self {
         Self::over(values.iter().copied(), range, logarithmic)
     }
 
     /// The same as [`ColourScale::new`] for values from several places.
-    pub fn over(
+    pub(super) fn over(
         values: impl Iterator<Item = f64>,
         range: Option<(f64, f64)>,
         logarithmic: bool,
@@ -76,7 +76,7 @@ impl ColourScale {
 
     /// Colour of a value, [`MISSING`] if it cannot be shown; values beyond the range get the colour
     /// of its end.
-    pub fn colour(&self, value: f64) -> Colour {
+    pub(super) fn colour(&self, value: f64) -> Colour {
         if !self.axis.shows(value) {
             return MISSING;
         }
@@ -91,7 +91,7 @@ impl ColourScale {
     }
 
     /// What a reader must know of these values besides their colours.
-    pub fn remarks(&self, values: impl Iterator<Item = f64>) -> Vec<String> {
+    pub(super) fn remarks(&self, values: impl Iterator<Item = f64>) -> Vec<String> {
         let axis = self.axis;
         let (mut total, mut grey, mut beyond) = (0_usize, 0_usize, 0_usize);
         for value in values {

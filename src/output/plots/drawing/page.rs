@@ -20,7 +20,7 @@ pub(super) struct Page<'a> {
 
 impl Page<'_> {
     /// Draws title, time and notes.
-    pub fn texts<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    pub(super) fn texts<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let layout = self.layout;
         let title = Text {
             bold: true,
@@ -43,7 +43,7 @@ impl Page<'_> {
     }
 
     /// The colour bar at its place.
-    pub fn bar<'b>(&'b self, colours: &'b ColourScale) -> Bar<'b> {
+    pub(super) fn bar<'b>(&'b self, colours: &'b ColourScale) -> Bar<'b> {
         let Layout { bar, size, .. } = *self.layout;
         let unit_at = if self.layout.bar_below {
             (bar.left + bar.width / 2.0, bar.bottom() + 2.75 * size)
@@ -62,7 +62,7 @@ impl Page<'_> {
     }
 
     /// Draws both axes in metres and the outline of the frame.
-    pub fn axes<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
+    pub(super) fn axes<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let Layout { size, frame, .. } = *self.layout;
         let (x_label, y_label) = (
             axis_label("x", &self.metres.unit),

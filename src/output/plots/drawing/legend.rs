@@ -48,12 +48,16 @@ pub(super) struct Look {
 }
 
 impl Look {
-    pub fn colour(&self) -> Colour {
+    pub(super) fn colour(&self) -> Colour {
         PALETTE[self.index % PALETTE.len()]
     }
 
     /// Draws the curve through the places, without marks.
-    pub fn stroke<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, places: &[Place]) -> Drawn<()> {
+    pub(super) fn stroke<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        places: &[Place],
+    ) -> Drawn<()> {
         match self.style {
             LineStyle::Line => canvas.polyline(places, STROKE, self.colour()),
             LineStyle::Markers => Ok(()),
@@ -67,7 +71,11 @@ impl Look {
     }
 
     /// Draws the mark of this curve.
-    pub fn mark<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, (x, y): Place) -> Drawn<()> {
+    pub(super) fn mark<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        (x, y): Place,
+    ) -> Drawn<()> {
         let corners: &[Place] = match self.index % 7 {
             0 => return canvas.disc((x, y), 4.2, self.colour()),
             1 => &[(-3.8, -3.8), (3.8, -3.8), (3.8, 3.8), (-3.8, 3.8)],
@@ -92,7 +100,7 @@ pub(super) struct Legend<'a> {
 
 impl<'a> Legend<'a> {
     /// Measures a legend of all entries with a label.
-    pub fn new(entries: Vec<(&'a str, Look)>, size: f64) -> Drawn<Self> {
+    pub(super) fn new(entries: Vec<(&'a str, Look)>, size: f64) -> Drawn<Self> {
         let entries: Vec<_> = entries
             .into_iter()
             .filter(|(label, _)| !label.is_empty())
@@ -111,7 +119,7 @@ impl<'a> Legend<'a> {
     }
 
     /// As [`Legend::new`], with a smaller font if that is needed to be no wider than `most`.
-    pub fn within(entries: Vec<(&'a str, Look)>, size: f64, most: f64) -> Drawn<Self> {
+    pub(super) fn within(entries: Vec<(&'a str, Look)>, size: f64, most: f64) -> Drawn<Self> {
         let legend = Self::new(entries, size)?;
         match legend.width > most {
             true => Self::new(
@@ -122,12 +130,12 @@ impl<'a> Legend<'a> {
         }
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
     /// A corner of the frame that none of the places (dense along the curves) touches.
-    pub fn free_corner(&self, frame: &Frame, places: &[Place]) -> Option<Place> {
+    pub(super) fn free_corner(&self, frame: &Frame, places: &[Place]) -> Option<Place> {
         let gap = 0.7 * self.size;
         if self.width > 0.5 * frame.width || self.height > 0.6 * frame.height {
             return None;
@@ -150,7 +158,11 @@ impl<'a> Legend<'a> {
     }
 
     /// Draws the legend with its upper left corner at the given place.
-    pub fn draw<B: DrawingBackend>(&self, canvas: &mut Canvas<B>, (x, y): Place) -> Drawn<()> {
+    pub(super) fn draw<B: DrawingBackend>(
+        &self,
+        canvas: &mut Canvas<B>,
+        (x, y): Place,
+    ) -> Drawn<()> {
         let far = (x + self.width, y + self.height);
         canvas.rectangle((x - 1.0, y - 1.0), (far.0 + 1.0, far.1 + 1.0), GRID)?;
         canvas.rectangle((x, y), far, WHITE)?;

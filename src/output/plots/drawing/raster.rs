@@ -19,7 +19,7 @@ pub(super) struct Picture {
 
 impl Picture {
     /// A white picture.
-    pub fn white(width: usize, height: usize) -> Self {
+    pub(super) fn white(width: usize, height: usize) -> Self {
         Self {
             width,
             height,
@@ -35,7 +35,7 @@ impl Picture {
     }
 
     /// The picture as a PNG file.
-    pub fn encode(&self) -> Drawn<Vec<u8>> {
+    pub(super) fn encode(&self) -> Drawn<Vec<u8>> {
         let mut bytes = Vec::new();
         let mut writer = self
             .encoder(&mut bytes)
@@ -100,7 +100,7 @@ pub(super) struct Window {
 
 impl Window {
     /// The ranges of x and y, m.
-    pub fn axes(&self) -> (Axis, Axis) {
+    pub(super) fn axes(&self) -> (Axis, Axis) {
         let axis = |low, high| Axis {
             low,
             high,

@@ -1,7 +1,7 @@
 #![allow(clippy::float_cmp)]
 
 use super::*;
-use crate::output::plots::colours::MISSING;
+use crate::output::plots::drawing::colours::MISSING;
 
 type Rgb = [u8; 3];
 
@@ -64,7 +64,7 @@ fn plot<'a>(positions: &'a [f64], sizes: &'a [f64], values: &'a [f64]) -> FieldP
 }
 
 /// The frame of the plot, found by the layout itself.
-fn frame_of(plot: &FieldPlot<'_>) -> crate::output::plots::axes::Frame {
+fn frame_of(plot: &FieldPlot<'_>) -> crate::output::plots::drawing::axes::Frame {
     let colours = ColourScale::new(plot.values, plot.range, plot.scale == Scale::Log10);
     let (_, window) = cells(plot, &colours);
     let (bar, metres) = units(plot.unit, &colours, &window);

@@ -38,7 +38,7 @@ pub fn lines_svg(path: impl AsRef<Path>, plot: &LinePlot<'_>) -> Result<(), Outp
 }
 
 /// Draws curves with axes and legend as the text of an SVG drawing of a width such as [`WIDE`] or
-/// [`NARROW`](super::NARROW).
+/// [`NARROW`](crate::output::NARROW).
 ///
 /// # Errors
 /// The reason, as in [`OutputError::Drawing`].

@@ -42,13 +42,13 @@ struct Sides {
 
 impl Layout {
     /// Size of the title, px.
-    pub fn title_size(&self) -> f64 {
+    pub(super) fn title_size(&self) -> f64 {
         1.3 * self.size
     }
 
     /// Finds places so that nothing is clipped and one metre is equally long in both directions,
     /// unless the domain is so slender that it would become a line.
-    pub fn fit(content: &Content<'_>) -> Drawn<Self> {
+    pub(super) fn fit(content: &Content<'_>) -> Drawn<Self> {
         let size = (content.width / 60.0).max(14.0);
         let aspect = (content.y.high - content.y.low) / (content.x.high - content.x.low);
         let labels = widest(&content.y.ticks(8), size)?;

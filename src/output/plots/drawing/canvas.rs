@@ -34,7 +34,7 @@ pub(super) struct Text {
 }
 
 impl Text {
-    pub fn new(size: f64, anchor: Anchor) -> Self {
+    pub(super) fn new(size: f64, anchor: Anchor) -> Self {
         Self {
             size,
             bold: false,
@@ -77,7 +77,7 @@ pub(super) struct Canvas<B> {
 
 impl<B: DrawingBackend> Canvas<B> {
     /// For backends whose unit is the pixel.
-    pub fn bitmap(backend: B) -> Self {
+    pub(super) fn bitmap(backend: B) -> Self {
         Self {
             backend,
             units: 1.0,
@@ -86,7 +86,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// For the SVG backend, drawn in units of 1/[`SVG_UNITS`] pixel.
-    pub fn vector(backend: B) -> Self {
+    pub(super) fn vector(backend: B) -> Self {
         Self {
             backend,
             units: f64::from(SVG_UNITS),
@@ -115,7 +115,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// A filled rectangle between two corners, at least one unit in each direction.
-    pub fn rectangle(&mut self, from: Place, to: Place, colour: Colour) -> Drawn<()> {
+    pub(super) fn rectangle(&mut self, from: Place, to: Place, colour: Colour) -> Drawn<()> {
         let (low, high) = (self.place(from), self.place(to));
         // The bitmap backend leaves out the far edges, as SVG does: the sizes are exact.
         let high = (high.0.max(low.0 + 1), high.1.max(low.1 + 1));
@@ -126,7 +126,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// A sharp horizontal or vertical line of the given width, centred on its ends.
-    pub fn rule(&mut self, from: Place, to: Place, width: f64, colour: Colour) -> Drawn<()> {
+    pub(super) fn rule(&mut self, from: Place, to: Place, width: f64, colour: Colour) -> Drawn<()> {
         let half = width / 2.0;
         let low = (from.0.min(to.0) - half, from.1.min(to.1) - half);
         let high = (from.0.max(to.0) + half, from.1.max(to.1) + half);
@@ -134,7 +134,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// Connected straight lines.
-    pub fn polyline(&mut self, places: &[Place], width: f64, colour: Colour) -> Drawn<()> {
+    pub(super) fn polyline(&mut self, places: &[Place], width: f64, colour: Colour) -> Drawn<()> {
         let pen = self.pen(colour, width);
         let places: Vec<_> = places.iter().map(|&place| self.place(place)).collect();
         self.backend
@@ -143,7 +143,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// A filled polygon.
-    pub fn polygon(&mut self, places: &[Place], colour: Colour) -> Drawn<()> {
+    pub(super) fn polygon(&mut self, places: &[Place], colour: Colour) -> Drawn<()> {
         let pen = self.pen(colour, 1.0);
         let places: Vec<_> = places.iter().map(|&place| self.place(place)).collect();
         self.backend
@@ -152,7 +152,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// A filled disc.
-    pub fn disc(&mut self, centre: Place, radius: f64, colour: Colour) -> Drawn<()> {
+    pub(super) fn disc(&mut self, centre: Place, radius: f64, colour: Colour) -> Drawn<()> {
         let pen = self.pen(colour, 1.0);
         let radius = self.unit(radius).max(1) as u32;
         let centre = self.place(centre);
@@ -162,7 +162,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// One line of text, or nothing if it is empty; control characters, which XML forbids, become spaces.
-    pub fn text(&mut self, text: &str, (x, y): Place, how: Text) -> Drawn<()> {
+    pub(super) fn text(&mut self, text: &str, (x, y): Place, how: Text) -> Drawn<()> {
         if text.is_empty() {
             return Ok(());
         }
@@ -195,7 +195,7 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 
     /// Completes the picture.
-    pub fn finish(mut self) -> Drawn<()> {
+    pub(super) fn finish(mut self) -> Drawn<()> {
         self.backend.present().map_err(|e| e.to_string())
     }
 }

@@ -37,7 +37,7 @@ fn texts(svg: &str) -> Vec<String> {
 /// Curves in the colour of the series of the given index: the places of each polyline, in pixels.
 fn polylines(svg: &str, index: usize) -> Vec<Vec<Place>> {
     let document = roxmltree::Document::parse(svg).unwrap();
-    let [r, g, b] = crate::output::plots::colours::PALETTE[index];
+    let [r, g, b] = crate::output::plots::drawing::colours::PALETTE[index];
     let colour = format!("#{r:02X}{g:02X}{b:02X}");
     let unit = f64::from(SVG_UNITS);
     let place = |pair: &str| {
