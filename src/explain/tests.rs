@@ -346,9 +346,13 @@ fn damage_is_among_the_effects_and_in_the_scheme() {
         let found = told.effects.iter().find(|effect| effect.name == name);
         found.map(|effect| effect.why.clone())
     };
+    let why = effect(&told, "damage").unwrap();
+    let model = "[damage] is there, model of the paper, split spectral (known against it: ";
+    assert!(why.starts_with(model), "{why}");
+    let split = solid(&[BREAKING, &["damage.model=split"]].concat());
     assert_eq!(
-        effect(&told, "damage").unwrap(),
-        "[damage] is there, model of the paper, split spectral"
+        effect(&split, "damage").unwrap(),
+        "[damage] is there, model split, normalised by mean widths of families"
     );
     assert_eq!(told.scheme.name, "quasi-static (newton or alternate)");
     assert_eq!(

@@ -97,8 +97,11 @@ proptest! {
         prestress in prop::sample::select(vec![0.0, -2e6, 3e6]),
     ) {
         let strain = symmetric::<2>(&entries);
-        prop_assume!(smooth(&strain));
-        check(&law(SPLITS[split]), &point(prestress, 0.0), &strain, &symmetric(&way));
+        let (law, point) = (law(SPLITS[split]), point(prestress, 0.0));
+        // Stress of the rock at rest may drive nothing: first damage is a kink too.
+        let driving = law.response(&point, &strain, 0.0).driving;
+        prop_assume!(smooth(&strain) && driving.abs() > 100.0);
+        check(&law, &point, &strain, &symmetric(&way));
     }
 
     #[test]
