@@ -111,6 +111,21 @@ pub const CASES: &[Case] = &[
         "six"
     ),
     case!(
+        "kgd-toughness",
+        "a crack in plane strain that fluid without friction drives, against its exact solution",
+        "smoke"
+    ),
+    case!(
+        "kgd-viscosity",
+        "a crack in plane strain that a viscous fluid drives, against its exact solution",
+        "smoke"
+    ),
+    case!(
+        "breakdown",
+        "the pressure at which a pumped crack begins to run, and the in-situ stress across it",
+        "smoke"
+    ),
+    case!(
         "staged-injection",
         "in-situ stress, drainage, injection and shut-in, one after the other"
     ),

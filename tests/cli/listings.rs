@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 21] = [
+const CASES: [&str; 24] = [
     "five-spot",
     "two-layer",
     "channel",
@@ -23,6 +23,9 @@ const CASES: [&str; 21] = [
     "pressurised-notch",
     "natural-fractures",
     "injection-rate",
+    "kgd-toughness",
+    "kgd-viscosity",
+    "breakdown",
     "staged-injection",
     "penny-3d",
     "manufactured",
