@@ -84,6 +84,9 @@ pub(super) fn build<const D: usize>(
     }
     let mut built = Damage::new(law, toughness, initial);
     built.prestress = prestress.to_vec();
+    if damage.normalise == Normalise::Mean {
+        built.fracture_energy.clone_from(&points.fracture_energy);
+    }
     if law.model == DamageModel::Split {
         built.initial_normal = normals(plan, elastic, bands);
     }

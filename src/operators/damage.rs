@@ -18,6 +18,8 @@ pub struct Damage<const D: usize> {
     pub law: DamageLaw,
     /// Strength c per point, J/m³, shape `(n,)`.
     pub toughness: Vec<f64>,
+    /// G_c per point, J/m², shape `(n,)`; empty where the length of cracks does not follow from what they took.
+    pub fracture_energy: Vec<f64>,
     /// Effective stress before the run, Pa, shape `(n,)`; empty where there is none.
     pub prestress: Vec<Matrix<D>>,
     /// Largest driving energy before the run, J/m³, shape `(n,)`: cracks that are there from the start.
@@ -98,6 +100,7 @@ impl<const D: usize> Damage<D> {
         Damage {
             law,
             toughness,
+            fracture_energy: Vec::new(),
             prestress: Vec::new(),
             initial,
             initial_normal: Vec::new(),
@@ -257,6 +260,18 @@ impl<const D: usize> Damage<D> {
         (0..volume.len()).map(taken).sum()
     }
 
+    /// Area of new cracks by what damage took, Σ V c s²/G_c, m² (length in 2-D, m); `None` where strength does not follow
+    /// from G_c and the widths of families.
+    pub fn area(&self, volume: &[f64], history: &[f64]) -> Option<f64> {
+        let taken = |(i, energy): (usize, &f64)| {
+            let at = |history: f64| self.law.damage(history, self.toughness[i]).powi(2);
+            let grown = (at(history[i]) - at(self.initial[i])).max(0.0);
+            volume[i] * self.toughness[i] * grown / energy
+        };
+        let energies = self.fracture_energy.iter().enumerate();
+        (!self.fracture_energy.is_empty()).then(|| energies.map(taken).sum())
+    }
+
     /// How often points were evaluated.
     pub fn evaluations(&self) -> u64 {
         self.evaluations.load(Ordering::Relaxed)
@@ -264,7 +279,10 @@ impl<const D: usize> Damage<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let scalars = self.toughness.len() + self.initial.len() + self.initial_normal.len();
+        let scalars = self.toughness.len()
+            + self.fracture_energy.len()
+            + self.initial.len()
+            + self.initial_normal.len();
         8 * (scalars + D * D * self.prestress.len())
     }
 }

@@ -23,8 +23,8 @@ const BROKEN: f64 = 0.9;
 pub struct Fractures {
     /// Damage per point, shape `(n,)`.
     pub damage: Vec<f64>,
-    /// Length of cracks from the start and of what broke since, m (area in 3-D, m²); the latter within
-    /// about a tenth.
+    /// Length of cracks from the start and of what broke since, m (area in 3-D, m²): by what damage took over G_c where
+    /// strength follows from widths of families, else from the points that broke; within about a tenth.
     pub crack_length: f64,
     /// Energy that damage took, J.
     pub dissipated: f64,
@@ -45,7 +45,8 @@ impl Fractures {
         let damage = solid.damage.as_ref()?;
         let now = damage.of(&state.history);
         let fresh = |i: usize| now[i] >= BROKEN && state.history[i] > damage.initial[i];
-        let grown = grown(solid, fresh, |i| now[i] >= BROKEN);
+        let taken = damage.area(&model.cloud.volume, &state.history);
+        let grown = taken.unwrap_or_else(|| grown(solid, fresh, |i| now[i] >= BROKEN));
         let length = started(plan, model) + grown * faces_of_bands(model);
         let holds = model.has_crack_content();
         let response = match solid.walls.is_empty() && !holds {

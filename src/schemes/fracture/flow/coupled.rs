@@ -65,9 +65,6 @@ impl<const D: usize> FractureFlowStep<D> {
                 here = self.return_to(model, place)?;
             }
             report.passes = pass;
-            if std::env::var("PF_DEBUG").is_ok() {
-                eprintln!("  t {:.6} dt {:.2e} pass {pass} {tried:?} off {:.3e} forces {:.3e}", state.time, start.dt, here.off, here.forces);
-            }
             report.residual = Some(here.forces);
             if here.off <= 1.0 {
                 return Ok(());
