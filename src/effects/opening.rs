@@ -92,9 +92,8 @@ fn items<const D: usize>(
 ) -> Vec<Item<D>> {
     let (cloud, images) = (&elastic.around.cloud, &elastic.around.families.images);
     let near = |x: &Vector<D>| {
-        (0..D).all(|k| {
-            x[k] >= cloud.domain.lower[k] - reach && x[k] <= cloud.domain.upper[k] + reach
-        })
+        (0..D)
+            .all(|k| x[k] >= cloud.domain.lower[k] - reach && x[k] <= cloud.domain.upper[k] + reach)
     };
     let mut items = Vec::new();
     for (i, plane) in response.planes.iter().enumerate() {

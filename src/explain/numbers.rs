@@ -1,9 +1,9 @@
 //! Numbers that tell how hard a plan is.
 
 use super::Number;
+use crate::material::Elasticity;
 use crate::model::{CoupledSample, FlowSample, Sample};
 use crate::operators::WidthRange;
-use crate::material::Elasticity;
 use crate::plan::{
     DamageModel, DamagePlan, Exponent, MaterialPlan, Normalise, Plan, TimeMode, damage_width,
 };

@@ -19,8 +19,8 @@ mod side;
 mod stencil;
 mod voids;
 
-pub(crate) use cloud::edge;
 pub(crate) use cell_list::CellList;
+pub(crate) use cloud::edge;
 pub use cloud::{Cloud, Domain};
 pub use crack::{Crack, Cutter, OnCrack};
 pub use families::{Families, Severed};

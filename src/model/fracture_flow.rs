@@ -46,7 +46,9 @@ impl<const D: usize> FractureFlow<D> {
         permeability: &[f64],
     ) -> Option<Self> {
         let (own, flow, coupling) = (plan.fracture_flow?, flow?, coupling?);
-        let split = plan.damage.is_some_and(|damage| damage.model == DamageModel::Split);
+        let split = plan
+            .damage
+            .is_some_and(|damage| damage.model == DamageModel::Split);
         let around = || flow.operator.shared_neighbourhood();
         Some(FractureFlow {
             plan: own,
@@ -139,7 +141,9 @@ impl<const D: usize> FractureFlow<D> {
         flow: &mut FlowModel<D>,
         permeability: &mut [f64],
     ) {
-        let Some(cracks) = &mut self.cracks else { return };
+        let Some(cracks) = &mut self.cracks else {
+            return;
+        };
         cracks.follow(&solid.elastic, response, may_wet);
         let evaluated = (0..flow.points()).filter(|i| cracks.is_wet(*i)).count();
         self.evaluations

@@ -45,11 +45,7 @@ impl<const D: usize> Model<D> {
         let solid = self.solid.as_ref()?;
         solid.damage.as_ref()?;
         let fluid = self.fluid_traction(state.pressure);
-        solid.response(
-            state.displacement,
-            state.walls,
-            state.damage(&fluid),
-        )
+        solid.response(state.displacement, state.walls, state.damage(&fluid))
     }
 
     /// What fluid adds to the effective traction on a crack, p^c − α p per point, Pa; empty where it adds nothing.
@@ -124,7 +120,9 @@ impl<const D: usize> Model<D> {
         let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
         let Some(cracks) = cracks else { return 0.0 };
         let planes = response.planes.iter().zip(&self.cloud.volume);
-        let wet = planes.zip(&cracks.donor).filter(|(_, donor)| **donor != DRY);
+        let wet = planes
+            .zip(&cracks.donor)
+            .filter(|(_, donor)| **donor != DRY);
         wet.map(|((plane, volume), _)| plane.opening * volume).sum()
     }
 

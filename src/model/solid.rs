@@ -185,8 +185,7 @@ impl<const D: usize> SolidModel<D> {
                 .collect();
         }
         let (widths, prestress) = (self.widths.as_ref(), &self.initial_stress);
-        self.damage =
-            super::damage::build(plan, prestress, &self.elastic, widths, points, bands);
+        self.damage = super::damage::build(plan, prestress, &self.elastic, widths, points, bands);
         self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         self.stiffness = self.points.expanded(D)?.into_matrix();
         self.refill();

@@ -210,7 +210,9 @@ impl<const D: usize> Damage<D> {
             Some(plane) => plane.released,
             None => {
                 let point = self.point(elastic, fields, owner);
-                self.law.parts(&point, &response.strain[owner]).degraded_stress
+                self.law
+                    .parts(&point, &response.strain[owner])
+                    .degraded_stress
             }
         } * volume;
         let stress = response.stress[owner] * volume;

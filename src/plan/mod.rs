@@ -25,8 +25,7 @@ pub use types::{
     FractureFlowPlan, GeometryPlan, GradientChoice, GravityPlan, HourglassRule, InitialPlan,
     InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, Normalise, OperatorChoice, OutputPlan,
     PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
-    SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StartPlan, StepRule, Support, TimeMode,
-    TimePlan, TractionPlan,
-    TransmissivityRule, WellPlan,
+    SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StartPlan, StepRule, Support,
+    TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
 };
 pub use width::{damage_width, ratio_warning, width_warning};

@@ -263,7 +263,10 @@ impl Stored {
         };
         if model.has_crack_content() {
             let cracks = model.crack_content(model.response(&state.view()).as_ref());
-            content.iter_mut().zip(cracks).for_each(|(c, own)| *c += own);
+            content
+                .iter_mut()
+                .zip(cracks)
+                .for_each(|(c, own)| *c += own);
         }
         let pairs = flow.capacity.iter().zip(&state.pressure);
         let size: f64 = pairs.map(|(c, p)| (c * p).abs()).sum();

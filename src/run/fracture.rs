@@ -54,7 +54,9 @@ impl Fractures {
             false => model.response(&state.view()),
         };
         let forces = (response.as_ref()).map_or_else(Vec::new, |own| solid.wall_forces(own));
-        let volume = response.filter(|_| holds).map(|own| model.crack_volume(&own));
+        let volume = response
+            .filter(|_| holds)
+            .map(|own| model.crack_volume(&own));
         let pressure = |(number, crack): (usize, &CrackPlan)| {
             let pressure = match &crack.injection {
                 Some(_) => model.injection_pressure(number, &state.pressure),
@@ -109,7 +111,10 @@ pub(super) fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> V
     names.push("dissipated_J".to_owned());
     if plan.fracture_flow.is_some() {
         names.push("aperture_max_m".to_owned());
-        if plan.damage.is_some_and(|damage| damage.model == DamageModel::Split) {
+        if plan
+            .damage
+            .is_some_and(|damage| damage.model == DamageModel::Split)
+        {
             names.push("crack_volume_m3".to_owned());
         }
     }

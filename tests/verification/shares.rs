@@ -42,10 +42,7 @@ fn answers<const D: usize>(model: &Model<D>) -> Vec<(&'static str, Vec<f64>)> {
             walls: &walls,
             ..Fields::default()
         };
-        all.push((
-            "forces",
-            model.unbalanced(0.3, &at).0,
-        ));
+        all.push(("forces", model.unbalanced(0.3, &at).0));
         all.push(("content", model.content(&displacement, &walls)));
         all.push((
             "walls",

@@ -55,7 +55,10 @@ fn fluid_at_the_closure_stress_moves_nothing() {
 #[test]
 fn in_situ_stress_and_pressure_in_a_crack_add_up() {
     let (_, squeezed) = run_text(PATCH, &["cracks.main.pressure=20.2 MPa"]);
-    let free = ["cracks.main.pressure=0.2 MPa", "initial.stress={xx = \"-10 MPa\"}"];
+    let free = [
+        "cracks.main.pressure=0.2 MPa",
+        "initial.stress={xx = \"-10 MPa\"}",
+    ];
     let (_, free) = run_text(PATCH, &free);
     let size = largest(&free.displacement);
     let pairs = squeezed.displacement.iter().zip(&free.displacement);
@@ -83,7 +86,11 @@ fn force(summary: &Summary) -> f64 {
 #[test]
 fn rock_under_in_situ_stress_does_not_break_when_it_is_compressed() {
     let (summary, state) = run_text(DRIVEN, &[]);
-    assert!((force(&summary) - 11.2e3).abs() < 1e-6 * 11.2e3, "{}", force(&summary));
+    assert!(
+        (force(&summary) - 11.2e3).abs() < 1e-6 * 11.2e3,
+        "{}",
+        force(&summary)
+    );
     assert!(state.history.iter().all(|h| *h == 0.0));
 }
 
@@ -103,12 +110,22 @@ fn the_strength_of_rock_is_that_of_its_total_stress() {
         ];
         let plan = plan_of(DRIVEN, &set.each_ref().map(String::as_str));
         let model = model::<2>(&plan);
-        let toughness = model.solid.as_ref().unwrap().damage.as_ref().unwrap().toughness[60];
+        let toughness = model
+            .solid
+            .as_ref()
+            .unwrap()
+            .damage
+            .as_ref()
+            .unwrap()
+            .toughness[60];
         let (_, state) = try_run(&plan).unwrap();
         assert!(largest(&state.history) > toughness, "it has not broken");
         let strength = 0.573 * (12e9 * toughness).sqrt();
         let peak = peak_pull(&plan);
-        assert!((peak / strength - 1.0).abs() < 0.01, "{stress}: {peak} {strength}");
+        assert!(
+            (peak / strength - 1.0).abs() < 0.01,
+            "{stress}: {peak} {strength}"
+        );
     }
 }
 
@@ -173,7 +190,10 @@ fn a_crack_holds_what_was_pumped_in() {
     let volume = results.crack_volume.unwrap();
     let squeezed = model::<2>(&plan).flow.unwrap().stored(&state.pressure);
     let lost = pumped - volume - squeezed;
-    assert!(lost.abs() < 1e-6 * pumped, "{volume} and {squeezed} of {pumped}");
+    assert!(
+        lost.abs() < 1e-6 * pumped,
+        "{volume} and {squeezed} of {pumped}"
+    );
     assert!((results.fluid_efficiency.unwrap() - volume / pumped).abs() < 1e-9);
     assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
     let tries = summary.steps + summary.rejected;

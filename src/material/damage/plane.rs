@@ -127,7 +127,11 @@ impl<const D: usize> Cut<D> {
             basis,
             gaps: Some(ordered.map(|value| ordered[0] - value)),
             stress,
-            faces: if pull > 0.0 { Faces::Apart } else { Faces::Stick },
+            faces: if pull > 0.0 {
+                Faces::Apart
+            } else {
+                Faces::Stick
+            },
             pull: pull.max(0.0),
             shear: Vector::zeros(),
             sliding: 0.0,

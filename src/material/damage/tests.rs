@@ -226,7 +226,12 @@ fn the_stress_across_a_plane_is_that_of_space() {
 }
 
 /// A cut point with everything that acts on it.
-fn loaded<const D: usize>(entries: &[f64], normal: bool, fluid: f64, history: f64) -> PointState<D> {
+fn loaded<const D: usize>(
+    entries: &[f64],
+    normal: bool,
+    fluid: f64,
+    history: f64,
+) -> PointState<D> {
     let normal = normal.then(|| Vector::<D>::from_fn(|k, _| 0.4 + entries[k] * 100.0).normalize());
     PointState {
         prestress: symmetric(entries) * 1e9,
@@ -246,7 +251,9 @@ fn regular<const D: usize>(law: &DamageLaw, point: &PointState<D>, strain: &Matr
     let apart = values.iter().filter(|v| largest - **v < 1e6).count() == 1;
     // The tangent is bounded where the normal would turn faster than the stress.
     let turning = 2.0 * ROCK.mu * response.plane.strain;
-    let slow = values.iter().all(|v| *v >= largest || turning < largest - v);
+    let slow = values
+        .iter()
+        .all(|v| *v >= largest || turning < largest - v);
     let edge = (response.driving - point.history).abs() > 0.05 * point.history;
     // The same faces all around.
     let same = [-2e4, 2e4].iter().all(|by| {
@@ -257,7 +264,11 @@ fn regular<const D: usize>(law: &DamageLaw, point: &PointState<D>, strain: &Matr
         let other = law.response(&near, strain, 0.0).plane;
         let kinds = [&other, &response.plane].map(|plane| {
             let sheared = plane.released - across(ROCK, &plane.normal) * plane.strain;
-            (plane.open, sheared.norm() > 1e-6 * plane.released.norm(), plane.parting.norm())
+            (
+                plane.open,
+                sheared.norm() > 1e-6 * plane.released.norm(),
+                plane.parting.norm(),
+            )
         });
         let far = (kinds[0].2 - kinds[1].2).abs() > 0.05 * kinds[1].2;
         kinds[0].0 == kinds[1].0 && kinds[0].1 == kinds[1].1 && !far
@@ -356,13 +367,22 @@ fn in_situ_stress_does_not_break_rock_and_leaves_its_strength() {
         let mut point = point::<2>(0.0, 0.0);
         point.prestress = Matrix::identity() * prestress;
         let at = |point: &PointState<2>, strain: f64| {
-            law.response(point, &Matrix::from_diagonal(&Vector::<2>::new(0.0, strain)), 0.0)
+            law.response(
+                point,
+                &Matrix::from_diagonal(&Vector::<2>::new(0.0, strain)),
+                0.0,
+            )
         };
         let compressed = at(&point, -2e-4);
         assert!(compressed.driving <= 0.0 && compressed.damage <= 0.0);
         let strains = (0..40_000).map(|k| f64::from(k) * 5e-7 - prestress / modulus);
-        let peak = strains.map(|e| at(&point, e).stress[(1, 1)]).fold(f64::MIN, f64::max);
+        let peak = strains
+            .map(|e| at(&point, e).stress[(1, 1)])
+            .fold(f64::MIN, f64::max);
         let strength = 0.573 * (modulus * TOUGHNESS).sqrt();
-        assert!((peak / strength - 1.0).abs() < 2e-3, "{prestress}: {peak} {strength}");
+        assert!(
+            (peak / strength - 1.0).abs() < 2e-3,
+            "{prestress}: {peak} {strength}"
+        );
     }
 }

@@ -7,9 +7,10 @@ use super::*;
 use crate::geometry::{Horizon, Shape};
 use crate::load::Load;
 use crate::plan::{
-    Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan,
-    EnergySplit, Exponent, FractureFlowPlan, GradientChoice, HourglassRule, InjectionPlan, Integrator,
-    Normalise, SchemeChoice, SolidMethod, Support, TimeMode, TransmissivityRule,
+    Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel,
+    DamagePlan, EnergySplit, Exponent, FractureFlowPlan, GradientChoice, HourglassRule,
+    InjectionPlan, Integrator, Normalise, SchemeChoice, SolidMethod, Support, TimeMode,
+    TransmissivityRule,
 };
 use crate::scene::load_str;
 

@@ -258,8 +258,7 @@ mod tests {
     fn damage_keeps_the_stress_across_the_plane() {
         let initial = [0.0, 0.0, -2e6, 0.0, 0.0, 0.0];
         for split in ["spectral", "volumetric-deviatoric", "none"] {
-            let damage =
-                format!("damage={{length_scale=0.5, model=\"paper\", split=\"{split}\"}}");
+            let damage = format!("damage={{length_scale=0.5, model=\"paper\", split=\"{split}\"}}");
             let plan = super::super::tests::plan(&[
                 "materials.rock.fracture_energy=1e6",
                 "mechanics.initial_stress={zz=\"-2 MPa\"}",
@@ -276,7 +275,8 @@ mod tests {
                 assert!((found - exact).abs() < 20.0, "{split}: {found} {exact}");
             }
             state.history.fill(1e12);
-            let [.., across, _, _, _] = damaged_stress(solid, damage, &state, 14, &slope, (&initial, &[]));
+            let [.., across, _, _, _] =
+                damaged_stress(solid, damage, &state, 14, &slope, (&initial, &[]));
             let exact = match split {
                 "spectral" => -4e4,
                 // The volume alone is kept: −(λ + 2/3 μ) 1e-4.

@@ -127,8 +127,14 @@ impl FractureFlow {
             ("upper_threshold", typed(&self.upper_threshold)),
             ("biot_coefficient", typed(&self.biot_coefficient)),
             ("storage", self.storage.map(|storage| storage.span())),
-            ("aperture", (self.aperture != Aperture::default()).then_some(place)),
-            ("transmissivity", (self.transmissivity != Transmissivity::default()).then_some(place)),
+            (
+                "aperture",
+                (self.aperture != Aperture::default()).then_some(place),
+            ),
+            (
+                "transmissivity",
+                (self.transmissivity != Transmissivity::default()).then_some(place),
+            ),
         ];
         for (key, span) in keys {
             let Some(span) = span else { continue };

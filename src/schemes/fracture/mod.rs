@@ -170,9 +170,13 @@ impl<const D: usize> Fracture<D> {
         softening: TangentKind,
     ) -> Result<(), StepError> {
         let damage = damage_of(solid)?;
-        let moved = self
-            .tangent
-            .update(solid, damage, state.view().damage(&at.fluid), &at.response, softening);
+        let moved = self.tangent.update(
+            solid,
+            damage,
+            state.view().damage(&at.fluid),
+            &at.response,
+            softening,
+        );
         self.fresh &= !moved;
         Ok(())
     }

@@ -76,13 +76,7 @@ fn the_exact_tangent_is_the_derivative_of_the_force() {
     assert!(response.damage.iter().any(|s| *s > 0.2));
     let mut tangent = TangentMatrix::new(solid);
     tangent.kept = 0.0;
-    tangent.update(
-        solid,
-        damage,
-        fields,
-        &response,
-        TangentKind::Consistent,
-    );
+    tangent.update(solid, damage, fields, &response, TangentKind::Consistent);
     let direction: Vec<f64> = (0..size).map(|k| (1.3 * k as f64).cos()).collect();
     let by = 1e-12;
     let moved = |sign: f64| {

@@ -120,11 +120,7 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 
     /// A place that was left, with the coefficients that it had.
-    fn return_to(
-        &mut self,
-        model: &mut Model<D>,
-        place: Place<D>,
-    ) -> Result<Place<D>, StepError> {
+    fn return_to(&mut self, model: &mut Model<D>, place: Place<D>) -> Result<Place<D>, StepError> {
         model.follow_openings(&place.at.response);
         Ok(place)
     }
@@ -154,7 +150,12 @@ impl<const D: usize> FractureFlowStep<D> {
             };
         }
         let moved = moved + start.dt * flow.flows(&state.pressure, state.time).gross;
-        Ok((left, moved.max(ROUNDING / BALANCED_MASS * all).max(f64::MIN_POSITIVE)))
+        Ok((
+            left,
+            moved
+                .max(ROUNDING / BALANCED_MASS * all)
+                .max(f64::MIN_POSITIVE),
+        ))
     }
 
     /// Solves the linear system of both fields and moves the state by what it tells; gives its tangent.

@@ -39,7 +39,9 @@ impl<const D: usize> FractureFlowStep<D> {
         self.tangent
             .update(solid, damage, fields, &at.response, softening);
         let Some(block) = &mut self.block else {
-            return Err(StepError::Missing { part: "the matrix of both fields" });
+            return Err(StepError::Missing {
+                part: "the matrix of both fields",
+            });
         };
         let (tangent, wet) = (&self.tangent, model.wet_points());
         let fill = || {
@@ -74,8 +76,13 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<SearchDirection, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let damage = damage_of(solid)?;
-        self.tangent
-            .update(solid, damage, state.view().damage(&at.fluid), &at.response, softening);
+        self.tangent.update(
+            solid,
+            damage,
+            state.view().damage(&at.fluid),
+            &at.response,
+            softening,
+        );
         let Some(block) = &mut self.block else {
             let matrix = self.tangent.matrix.view();
             let mut displacement = vec![0.0; at.force.len()];

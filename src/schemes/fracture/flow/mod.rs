@@ -23,10 +23,10 @@ use perifrac_solvers::{
     SolverSpec, Symmetry,
 };
 
+use super::Fracture;
 use super::acceleration::AndersonAcceleration;
 use super::block::FractureBlock;
 use super::compliance::Compliance;
-use super::Fracture;
 use super::reuse::PreconditionerReuse;
 use super::tangent_policy::TangentPolicy;
 use super::tangents::TangentMatrix;
@@ -37,8 +37,8 @@ use crate::schemes::memory::Rates;
 use crate::schemes::quasi_static::{advance, growth};
 use crate::schemes::solid::{Chosen, build_solver, ratio, volume_stiffness};
 use crate::schemes::{
-    ImplicitSystem, Memory, Scheme, SchemeCounters, SolidSolver, State, StepError, StepReport, coupling_of,
-    flow_of, solid_of,
+    ImplicitSystem, Memory, Scheme, SchemeCounters, SolidSolver, State, StepError, StepReport,
+    coupling_of, flow_of, solid_of,
 };
 pub use passes::close;
 

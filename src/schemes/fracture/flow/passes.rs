@@ -234,7 +234,12 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// Whether so much has broken since `old` that the step will be rejected: a crack that runs takes many
     /// passes, which are better spent on the step that keeps it.
-    pub(super) fn runs(&self, model: &Model<D>, old: &State, at: &Trial<D>) -> Result<bool, StepError> {
+    pub(super) fn runs(
+        &self,
+        model: &Model<D>,
+        old: &State,
+        at: &Trial<D>,
+    ) -> Result<bool, StepError> {
         let before = damage_of(solid_of(model)?)?.of(&old.history);
         let pairs = at.response.damage.iter().zip(&before);
         let growth = pairs.map(|(now, before)| now - before).fold(0.0, f64::max);
