@@ -1,7 +1,7 @@
 //! Checkpoints: one self-contained file each, from which a run goes on.
 //!
 //! ```text
-//! perifrac checkpoint 1 5310a2bc        format, CRC-32 of the next line
+//! perifrac checkpoint 2 5310a2bc        format, CRC-32 of the next line
 //! {"version":"0.1.0",…,"sum":2369}      what it is, one line of JSON, readable without perifrac
 //! …                                     the content, as `length` bytes of postcard
 //! ```
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::{OutputError, write_atomically};
 
 /// Version of the layout.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const MAGIC: &str = "perifrac checkpoint";
 const START: &str = "checkpoint-";
 const ENDING: &str = "pfc";
