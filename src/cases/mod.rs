@@ -126,6 +126,12 @@ pub const CASES: &[Case] = &[
         "smoke"
     ),
     case!(
+        "inclined-injection",
+        "a pumped crack at 45° to the in-situ stresses, which turns to the larger one",
+        "smoke",
+        "turned"
+    ),
+    case!(
         "staged-injection",
         "in-situ stress, drainage, injection and shut-in, one after the other"
     ),

@@ -79,7 +79,14 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("injection-rate", INJECTION),
     ("injection-rate/four", INJECTION),
     ("injection-rate/six", INJECTION),
+    ("kgd-toughness", KGD),
+    ("kgd-viscosity", KGD),
+    ("breakdown", &["geometry.spacing=6.25 cm"]),
+    ("inclined-injection", INCLINED),
+    ("inclined-injection/turned", INCLINED),
 ];
+const KGD: &[&str] = &["geometry.spacing=12.5 cm", "time.end=0.3"];
+const INCLINED: &[&str] = &["geometry.spacing=8 cm", "time.end=0.3"];
 const TENSION: &[&str] = &[COARSE, NOTCH, "time.end=300"];
 const SHEAR: &[&str] = &[COARSE, NOTCH, "time.end=75"];
 const COARSE: &str = "geometry={type=\"lattice\", size=[\"1 mm\", \"1 mm\"], points=[30, 30]}";

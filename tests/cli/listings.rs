@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 24] = [
+const CASES: [&str; 25] = [
     "five-spot",
     "two-layer",
     "channel",
@@ -26,6 +26,7 @@ const CASES: [&str; 24] = [
     "kgd-toughness",
     "kgd-viscosity",
     "breakdown",
+    "inclined-injection",
     "staged-injection",
     "penny-3d",
     "manufactured",
