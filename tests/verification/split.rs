@@ -188,12 +188,24 @@ fn a_crack_holds_what_was_pumped_in() {
     // A quarter of the rate enters the quarter of the plane.
     let pumped = 0.25 * 1e-4 * 0.8;
     let volume = results.crack_volume.unwrap();
-    let squeezed = model::<2>(&plan).flow.unwrap().stored(&state.pressure);
+    let model = model::<2>(&plan);
+    let model = model.at(state.coefficients.as_ref());
+    let squeezed = model.flow.as_ref().unwrap().stored(&state.pressure);
     let lost = pumped - volume - squeezed;
     assert!(
         lost.abs() < 1e-6 * pumped,
         "{volume} and {squeezed} of {pumped}"
     );
+    // Content is a function of the state: faces a per cent further apart hold more, and it shows.
+    let held = |state: &State| {
+        let response = model.response(&state.view());
+        let held = model.held(&state.view(), response.as_ref());
+        held.iter().sum::<f64>()
+    };
+    assert!((held(&state) - pumped).abs() < 1e-6 * pumped);
+    let mut torn = state.clone();
+    torn.displacement.iter_mut().for_each(|u| *u *= 1.01);
+    assert!(held(&torn) - pumped > 5e-3 * pumped, "{}", held(&torn));
     assert!((results.fluid_efficiency.unwrap() - volume / pumped).abs() < 1e-9);
     assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
     let tries = summary.steps + summary.rejected;
