@@ -25,8 +25,6 @@ pub struct Coefficients {
     pub aperture: Vec<f64>,
     /// Point whose pressure acts in the crack here; empty in the model of the paper.
     pub donor: Vec<u32>,
-    /// Pressure in cracks where there is none, Pa.
-    pub dry: Vec<f64>,
     /// Openings of cracks and widths of their bands, m.
     pub opening: Vec<Opening>,
     /// Values of L that belong to the mobility; filled anew where they are absent, as after a restart.
@@ -47,10 +45,9 @@ impl PartialEq for Coefficients {
                 capacity,
                 biot,
                 aperture,
-                dry,
                 ..
             } = own.clone();
-            [permeability, mobility, capacity, biot, aperture, dry]
+            [permeability, mobility, capacity, biot, aperture]
         };
         let cracks = self.donor == other.donor && self.opening == other.opening;
         cracks && fields(self) == fields(other)
@@ -60,8 +57,7 @@ impl PartialEq for Coefficients {
 impl Coefficients {
     /// Bytes of the fields.
     pub fn bytes(&self) -> usize {
-        8 * (5 * self.permeability.len() + self.dry.len() + 2 * self.opening.len())
-            + 4 * self.donor.len()
+        8 * (5 * self.permeability.len() + 2 * self.opening.len()) + 4 * self.donor.len()
     }
 }
 
@@ -72,7 +68,6 @@ impl<const D: usize> Model<D> {
         let cracks = fracture.cracks.as_ref();
         Some(Arc::new(Coefficients {
             donor: cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone()),
-            dry: cracks.map_or_else(Vec::new, |cracks| cracks.dry.clone()),
             opening: cracks.map_or_else(Vec::new, |cracks| cracks.opening.clone()),
             permeability: self.permeability.clone(),
             mobility: flow.mobility.clone(),
@@ -111,15 +106,8 @@ impl<const D: usize> Model<D> {
         flow.capacity.clone_from(&coefficients.capacity);
         coupling.divergence.weight.clone_from(&coefficients.biot);
         fracture.aperture.clone_from(&coefficients.aperture);
-        if let Some(CrackFlow {
-            donor,
-            dry,
-            opening,
-            ..
-        }) = &mut fracture.cracks
-        {
+        if let Some(CrackFlow { donor, opening, .. }) = &mut fracture.cracks {
             donor.clone_from(&coefficients.donor);
-            dry.clone_from(&coefficients.dry);
             opening.clone_from(&coefficients.opening);
         }
         if coefficients.conductance.is_empty() {

@@ -2,7 +2,8 @@
 //!
 //! A point is wet from a small damage on. Where the crack goes on, points that are not wet yet feel the pressure of
 //! a wet one whose crack points at them, and what opens there belongs to that one; without it fluid could never
-//! break rock that is squeezed on a grid. Beside the crack the pressure is that of the pores.
+//! break rock that is squeezed on a grid. Beside the crack there is no fluid but that of the pores, and rock breaks by
+//! its effective stress.
 
 use std::sync::Arc;
 
@@ -16,8 +17,6 @@ use crate::operators::{BondConductance, BondForm, Elastic, Neighbourhood, Respon
 pub struct CrackFlow<const D: usize> {
     /// Point whose pressure acts in the crack here, shape `(n,)`; [`DRY`] for none.
     pub donor: Vec<u32>,
-    /// Pressure where there is none, that of the pores at the start of the step, Pa, shape `(n,)`.
-    pub dry: Vec<f64>,
     /// Opening and width of the band, shape `(n,)`.
     pub opening: Vec<Opening>,
     /// Hydraulic aperture of a closed crack, m.
@@ -34,12 +33,12 @@ pub const WET: f64 = 0.1;
 const ALONG: f64 = 0.3;
 
 impl<const D: usize> CrackFlow<D> {
-    /// Nothing broken yet, at the pressure of the pores.
-    pub fn new(around: Arc<Neighbourhood<D>>, pressure: &[f64], residual: f64) -> Self {
+    /// Nothing broken yet.
+    pub fn new(around: Arc<Neighbourhood<D>>, residual: f64) -> Self {
+        let points = around.len();
         CrackFlow {
-            donor: vec![DRY; pressure.len()],
-            dry: pressure.to_vec(),
-            opening: vec![Opening::default(); pressure.len()],
+            donor: vec![DRY; points],
+            opening: vec![Opening::default(); points],
             residual,
             conduction: Arc::new(BondConductance::new(around)),
         }
@@ -50,12 +49,9 @@ impl<const D: usize> CrackFlow<D> {
         self.donor[point] == point as u32
     }
 
-    /// Pressure in the crack at a point, Pa.
-    pub fn pressure(&self, point: usize, pressure: &[f64]) -> f64 {
-        match self.donor[point] {
-            DRY => self.dry[point],
-            donor => pressure[donor as usize],
-        }
+    /// Pressure in the crack at a point, Pa; `None` where there is no fluid in it.
+    pub fn pressure(&self, point: usize, pressure: &[f64]) -> Option<f64> {
+        pressure.get(self.donor[point] as usize).copied()
     }
 
     /// Brings the openings to a response, and the map of wet points if it may change. What was wet stays so: a point
@@ -108,7 +104,7 @@ impl<const D: usize> CrackFlow<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (4 + 8 + size_of::<Opening>()) * self.donor.len() + BondForm::bytes(&*self.conduction)
+        (4 + size_of::<Opening>()) * self.donor.len() + BondForm::bytes(&*self.conduction)
     }
 }
 

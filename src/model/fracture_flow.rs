@@ -57,7 +57,7 @@ impl<const D: usize> FractureFlow<D> {
             weight: coupling.divergence.weight.clone(),
             viscosity: plan.fluid.viscosity,
             aperture: vec![0.0; flow.points()],
-            cracks: split.then(|| CrackFlow::new(around(), &flow.initial, own.residual_aperture)),
+            cracks: split.then(|| CrackFlow::new(around(), own.residual_aperture)),
             evaluations: Arc::default(),
         })
     }

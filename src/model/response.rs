@@ -48,14 +48,18 @@ impl<const D: usize> Model<D> {
         solid.response(state.displacement, state.walls, state.damage(&fluid))
     }
 
-    /// What fluid adds to the effective traction on a crack, p^c − α p per point, Pa; empty where it adds nothing.
+    /// What fluid adds to the effective traction on a crack, p^c − α p per point, Pa, zero where there is none in the
+    /// crack; empty where it adds nothing at all.
     pub fn fluid_traction(&self, pressure: &[f64]) -> Vec<f64> {
         let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
         let (Some(cracks), Some(coupling)) = (cracks, &self.coupling) else {
             return Vec::new();
         };
         let biot = |i: usize| coupling.divergence.weight[i] / self.cloud.volume[i];
-        let added = |i: usize| cracks.pressure(i, pressure) - biot(i) * pressure[i];
+        let added = |i: usize| match cracks.pressure(i, pressure) {
+            Some(own) => own - biot(i) * pressure[i],
+            None => 0.0,
+        };
         (0..pressure.len()).map(added).collect()
     }
 
@@ -69,9 +73,10 @@ impl<const D: usize> Model<D> {
             return content;
         };
         for (i, plane) in response.planes.iter().enumerate() {
-            content[i] -= coupling.divergence.weight[i] * plane.opening;
-            if let Some(own) = content.get_mut(cracks.donor[i] as usize) {
-                *own += self.cloud.volume[i] * plane.opening;
+            let donor = cracks.donor[i];
+            if donor != DRY {
+                content[i] -= coupling.divergence.weight[i] * plane.opening;
+                content[donor as usize] += self.cloud.volume[i] * plane.opening;
             }
         }
         content
@@ -83,15 +88,6 @@ impl<const D: usize> Model<D> {
         cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone())
     }
 
-    /// Begins a step: where cracks are dry the pressure in them is that of the pores now, Pa, shape `(n,)`.
-    pub fn begin_step(&mut self, pressure: &[f64]) {
-        let cracks = self.fracture_flow.as_mut().and_then(|f| f.cracks.as_mut());
-        if let Some(cracks) = cracks {
-            cracks.dry.clear();
-            cracks.dry.extend_from_slice(pressure);
-        }
-    }
-
     /// Adds to a storage per point (m^D/Pa) what open cracks yield to their fluid at a fixed displacement.
     pub fn add_crack_storage(&self, response: &Response<D>, storage: &mut [f64]) {
         let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
@@ -101,15 +97,14 @@ impl<const D: usize> Model<D> {
         for (i, plane) in response.planes.iter().enumerate() {
             let (volume, weight) = (self.cloud.volume[i], coupling.divergence.weight[i]);
             let biot = weight / volume;
-            match cracks.donor[i] as usize {
-                donor if donor == i => {
+            match cracks.donor[i] {
+                DRY => {}
+                donor if donor as usize == i => {
                     storage[i] += (1.0 - biot).powi(2) * plane.yielding * volume;
                 }
                 donor => {
                     storage[i] += biot * biot * plane.yielding * volume;
-                    if let Some(own) = storage.get_mut(donor) {
-                        *own += plane.yielding * volume;
-                    }
+                    storage[donor as usize] += plane.yielding * volume;
                 }
             }
         }

@@ -177,12 +177,13 @@ impl FractureBlock {
     }
 }
 
-/// The pressures that act on the crack at `owner`, in which that of `donor` acts; none beyond `points`.
+/// The pressures that act on the crack at `owner`, in which that of `donor` acts: none at all beyond `points`, where rock
+/// breaks by its effective stress.
 fn pressing(owner: usize, donor: usize, biot: f64, points: usize) -> Pressing {
     match donor {
         donor if donor == owner => [(owner, 1.0 - biot), (owner, 0.0)],
         donor if donor < points => [(owner, -biot), (donor, 1.0)],
-        _ => [(owner, -biot), (owner, 0.0)],
+        _ => [(owner, 0.0); 2],
     }
 }
 

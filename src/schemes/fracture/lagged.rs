@@ -136,7 +136,6 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         self.recall(&old.memory);
         let start = StepStart::new(model, old, dt);
         let mut now = model.clone();
-        now.begin_step(&old.pressure);
         let mut report = StepReport {
             iterations: self.follow(&mut now, old)?,
             ..StepReport::default()

@@ -74,6 +74,9 @@ impl<const D: usize> FractureFlowStep<D> {
                 return Err(StepError::Runs { time, most });
             }
             watch.best = watch.best.min(here.forces);
+            if here.forces <= self.plan.tolerance {
+                watch.splitting_residual = watch.splitting_residual.min(here.off * BALANCED_MASS);
+            }
             let broken = here.at.response.damage.iter().sum();
             if !watch.continues(here.off, broken, false) || pass == self.plan.iterations {
                 break;
@@ -139,10 +142,14 @@ impl<const D: usize> FractureFlowStep<D> {
         flow.imbalance(state.time, &state.pressure, &mut left);
         self.products += 1;
         let held = model.held(&state.view(), Some(&at.response));
+        let step = state.since(start.state);
+        let strained = model.content(&step.displacement, &step.walls);
         let (mut moved, mut all) = (0.0, 0.0);
         for (i, left) in left.iter_mut().enumerate() {
             let taken = held[i] - start.held[i];
-            moved += taken.abs();
+            // What strain and pressure move in opposite ways counts as well.
+            let squeezed = flow.capacity[i] * step.pressure[i];
+            moved += taken.abs() + strained[i].abs() + squeezed.abs();
             all += held[i].abs() + start.held[i].abs();
             *left = match self.is_fixed[i] {
                 true => 0.0,

@@ -191,7 +191,6 @@ impl<const D: usize> FractureFlowStep<D> {
     fn start_drained(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut now = model.clone();
-        now.begin_step(&state.pressure);
         Fracture::new(&self.demand, &now, self.plan)?.equilibrate(&now, state)?;
         advance(&now, state);
         let response = now

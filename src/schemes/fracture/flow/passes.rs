@@ -53,7 +53,7 @@ pub(super) struct PassMonitor {
     /// Smallest imbalance so far.
     pub best: f64,
     /// Smallest share owed while forces balanced.
-    splitting_residual: f64,
+    pub splitting_residual: f64,
     /// That of the pass before.
     before: f64,
     /// Of the larger of both, what is out of balance and what is owed, over what is allowed.
@@ -300,7 +300,6 @@ impl<const D: usize> FractureFlowStep<D> {
         report: &mut StepReport,
     ) -> Result<Model<D>, StepError> {
         let mut model = model.clone();
-        model.begin_step(&start.state.pressure);
         match self.block.is_some() && model.has_crack_content() {
             true => self.converge_coupled(&mut model, start, state, report)?,
             false => self.converge(&mut model, start, state, report)?,
