@@ -75,6 +75,7 @@ const CASES: &[(&str, &[&str])] = &[
     ("sneddon", &[]),
     ("manufactured", &[]),
     ("notched-tension/smoke", &[]),
+    ("kgd-viscosity/smoke", &["time.end=0.1 s"]),
     (
         "notched-tension/smoke",
         &["scheme.name=explicit", "time.end=2000 s"],

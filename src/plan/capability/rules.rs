@@ -175,7 +175,7 @@ pub static RULES: &[Rule] = &[
         ..refuse(
             &[DamagedCrack],
             "a damaged crack needs [damage]",
-            "add [damage] with `length_scale`, or set kind = \"cut\"",
+            "add [damage], or set kind = \"cut\"",
         )
     },
     Rule {
