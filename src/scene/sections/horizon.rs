@@ -87,10 +87,9 @@ impl Horizon {
     /// The size, with the damage that a ratio to its length scale refers to; 15 neighbours if
     /// nothing was typed, or 2.3 spacings where rock breaks in the split model.
     pub fn size(&self, damage: Option<&Damage>) -> HorizonSize {
-        if let (Some(ratio), Some(damage)) = (self.length_scale_ratio, damage) {
-            if let Some(length) = damage.length_scale {
-                return HorizonSize::Radius(ratio.value() * length.value());
-            }
+        let length = damage.and_then(|damage| damage.length_scale);
+        if let (Some(ratio), Some(length)) = (self.length_scale_ratio, length) {
+            return HorizonSize::Radius(ratio.value() * length.value());
         }
         match (self.neighbours, self.radius, self.ratio) {
             (_, Some(radius), _) => HorizonSize::Radius(radius.value()),
