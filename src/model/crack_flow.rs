@@ -27,7 +27,7 @@ pub struct CrackFlow<const D: usize> {
 /// No point at all.
 pub const DRY: u32 = u32::MAX;
 /// Damage from which a point conducts. Tip energy of a crack driven by fluid over G_c: 0.757, 0.794 and 0.784 for
-/// 0.02, 0.1 and 0.4 (CRACKS.md).
+/// 0.02, 0.1 and 0.4 *(prototype)*.
 pub const WET: f64 = 0.1;
 /// Cosine to the normal of a crack up to which a bond leads on along it.
 const ALONG: f64 = 0.3;
@@ -49,11 +49,6 @@ impl<const D: usize> CrackFlow<D> {
         self.donor[point] == point as u32
     }
 
-    /// Pressure in the crack at a point, Pa; `None` where there is no fluid in it.
-    pub fn pressure(&self, point: usize, pressure: &[f64]) -> Option<f64> {
-        pressure.get(self.donor[point] as usize).copied()
-    }
-
     /// Brings the openings to a response, and the map of wet points if it may change. What was wet stays so: a point
     /// that the fluid breaks only where it is not wet would have no state at all.
     pub fn follow(&mut self, elastic: &Elastic<D>, response: &Response<D>, may_wet: bool) {
@@ -70,9 +65,22 @@ impl<const D: usize> CrackFlow<D> {
         self.donor = (0..wet.len()).into_par_iter().map(donor).collect();
     }
 
-    /// (w³ + w_r³)/12 of an opening, m³.
-    pub fn transmissivity(&self, opening: f64) -> f64 {
-        (opening.powi(3) + self.residual.powi(3)) / 12.0
+    /// Permeability of the band of a crack, (w³ + w_r³)/12W, m², unless one is `given`.
+    pub fn permeability(&self, own: Opening, given: Option<f64>) -> f64 {
+        let cubes = own.opening.powi(3) + self.residual.powi(3);
+        given.unwrap_or(cubes / (12.0 * own.width))
+    }
+
+    /// The pressures that enter the traction on the crack at a point with Biot's coefficient `biot`, with their factors
+    /// β: 1 for that in the crack, −α for that in the pores; none where there is no fluid in the crack, and rock breaks by
+    /// its effective stress.
+    pub fn pressing(&self, point: usize, biot: f64) -> impl Iterator<Item = (usize, f64)> + use<D> {
+        let pair = match self.donor[point] {
+            DRY => [None; 2],
+            donor if donor as usize == point => [Some((point, 1.0 - biot)), None],
+            donor => [Some((point, -biot)), Some((donor as usize, 1.0))],
+        };
+        pair.into_iter().flatten()
     }
 
     /// Conductances between wet points for a viscosity (Pa s): owner, bond and value, m^D/(Pa s). With a given
@@ -87,9 +95,11 @@ impl<const D: usize> CrackFlow<D> {
         let families = &self.conduction.neighbourhood().families;
         let mobility = move |i: usize, j: usize| {
             let (one, other) = (self.opening[i], self.opening[j]);
-            let along = self.transmissivity(mean(one.opening, other.opening));
-            let width = mean(one.width, other.width);
-            permeability.unwrap_or(along / width) / viscosity
+            let between = Opening {
+                opening: 0.5 * (one.opening + other.opening),
+                width: 0.5 * (one.width + other.width),
+            };
+            self.permeability(between, permeability) / viscosity
         };
         let wet = (0..self.donor.len()).filter(|i| self.is_wet(*i));
         wet.flat_map(move |owner| {
@@ -106,10 +116,6 @@ impl<const D: usize> CrackFlow<D> {
     pub fn bytes(&self) -> usize {
         (4 + size_of::<Opening>()) * self.donor.len() + BondForm::bytes(&*self.conduction)
     }
-}
-
-fn mean(one: f64, other: f64) -> f64 {
-    0.5 * (one + other)
 }
 
 /// The nearest wet point whose crack leads on to a dry one, or [`DRY`].

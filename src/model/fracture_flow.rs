@@ -20,7 +20,7 @@ pub struct FractureFlow<const D: usize> {
     pub plan: FractureFlowPlan,
     /// Permeability of the rock per point, m².
     permeability: Vec<f64>,
-    /// Storage s V of the rock per point, m^D/Pa.
+    /// Storage s V of the rock per point, m^D/Pa; empty in the split model, like the next.
     capacity: Vec<f64>,
     /// α V of the rock per point, m^D.
     weight: Vec<f64>,
@@ -50,11 +50,13 @@ impl<const D: usize> FractureFlow<D> {
             .damage
             .is_some_and(|damage| damage.model == DamageModel::Split);
         let around = || flow.operator.shared_neighbourhood();
+        // Only the paper mixes storage and Biot's coefficient with those of a crack.
+        let mixed = |rock: &[f64]| if split { Vec::new() } else { rock.to_vec() };
         Some(FractureFlow {
             plan: own,
             permeability: permeability.to_vec(),
-            capacity: flow.capacity.clone(),
-            weight: coupling.divergence.weight.clone(),
+            capacity: mixed(&flow.capacity),
+            weight: mixed(&coupling.divergence.weight),
             viscosity: plan.fluid.viscosity,
             aperture: vec![0.0; flow.points()],
             cracks: split.then(|| CrackFlow::new(around(), own.residual_aperture)),
@@ -69,7 +71,14 @@ impl<const D: usize> FractureFlow<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        8 * 4 * self.aperture.len() + self.cracks.as_ref().map_or(0, CrackFlow::bytes)
+        let own = [
+            &self.permeability,
+            &self.capacity,
+            &self.weight,
+            &self.aperture,
+        ];
+        let own: usize = own.iter().map(|values| values.len()).sum();
+        8 * own + self.cracks.as_ref().map_or(0, CrackFlow::bytes)
     }
 
     /// Share χ_f of a fracture at a damage (Eqs. 43 and 44).
@@ -159,13 +168,10 @@ impl<const D: usize> FractureFlow<D> {
         flow.add_conductances(cracks.conductances(viscosity, self.plan.permeability));
         for (i, own) in cracks.opening.iter().enumerate() {
             self.aperture[i] = own.opening;
-            let along = cracks.transmissivity(own.opening);
-            let crack = self.plan.permeability.unwrap_or(match own.width > 0.0 {
-                true => along / own.width,
-                false => 0.0,
-            });
-            let wet = if cracks.is_wet(i) { crack } else { 0.0 };
-            permeability[i] = self.permeability[i] + wet;
+            permeability[i] = self.permeability[i];
+            if cracks.is_wet(i) {
+                permeability[i] += cracks.permeability(*own, self.plan.permeability);
+            }
         }
     }
 }
@@ -180,22 +186,34 @@ impl<const D: usize> Model<D> {
         walls: &[f64],
     ) {
         let timers = self.timers.clone();
-        let mix = || self.mix_fractures((response, true), displacement, walls);
+        let mix = || match self.has_crack_content() {
+            true => self.fill_cracks(response, true),
+            false => self.mix_fractures(response, displacement, walls),
+        };
         timers.time("flow", mix);
     }
 
-    /// The same without points that become wet.
+    /// Brings what cracks conduct to the openings of a state, in the split model: no point becomes wet by it.
     pub fn follow_openings(&mut self, response: &Response<D>) {
         let timers = self.timers.clone();
-        timers.time("flow", || self.mix_fractures((response, false), &[], &[]));
+        timers.time("flow", || self.fill_cracks(response, false));
     }
 
-    fn mix_fractures(
-        &mut self,
-        (response, may_wet): (&Response<D>, bool),
-        displacement: &[f64],
-        walls: &[f64],
-    ) {
+    fn fill_cracks(&mut self, response: &Response<D>, may_wet: bool) {
+        let Model {
+            fracture_flow: Some(fracture),
+            flow: Some(flow),
+            solid: Some(solid),
+            permeability,
+            ..
+        } = self
+        else {
+            return;
+        };
+        fracture.fill_cracks(solid, (response, may_wet), flow, permeability);
+    }
+
+    fn mix_fractures(&mut self, response: &Response<D>, displacement: &[f64], walls: &[f64]) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),
@@ -208,10 +226,6 @@ impl<const D: usize> Model<D> {
         else {
             return;
         };
-        if fracture.cracks.is_some() {
-            fracture.fill_cracks(solid, (response, may_wet), flow, permeability);
-            return;
-        }
         fracture.open(solid, response, displacement, walls);
         let horizon = &solid.elastic.around.families.horizon;
         let viscosity = fracture.plan.viscosity.unwrap_or(fracture.viscosity);

@@ -1,6 +1,7 @@
 //! The model: a plan made concrete on a cloud. Pattern once, values as often as needed.
 
 mod bands;
+mod between;
 mod cloud;
 mod coefficients;
 mod coupling;
@@ -11,6 +12,7 @@ mod diffusion;
 mod disc;
 mod error;
 mod fit;
+mod fixed;
 mod flow;
 mod fracture_flow;
 mod in_situ;
@@ -35,7 +37,8 @@ pub use coupling::{Audit, Coupling};
 pub use crack_flow::{CrackFlow, DRY};
 pub use disc::Disc;
 pub use error::ModelError;
-pub use flow::{FixedPressure, FlowModel, exchange};
+pub use fixed::FixedPressure;
+pub use flow::{FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
 pub use operator_choice::ChosenOperator;
 pub use places::{Faces, Places};

@@ -1,6 +1,6 @@
 //! How the model responds to the fields of a state: forces of the solid, and what pores and cracks hold.
 
-use super::{DRY, Model, SolidModel};
+use super::{CrackFlow, DRY, Model, SolidModel};
 use crate::operators::{DamageFields, Response};
 
 /// The fields of a state; those that the scene does not call for are empty.
@@ -48,17 +48,23 @@ impl<const D: usize> Model<D> {
         solid.response(state.displacement, state.walls, state.damage(&fluid))
     }
 
+    /// Fluid in cracks, in the split model.
+    pub fn cracks(&self) -> Option<&CrackFlow<D>> {
+        self.fracture_flow.as_ref()?.cracks.as_ref()
+    }
+
     /// What fluid adds to the effective traction on a crack, p^c − α p per point, Pa, zero where there is none in the
     /// crack; empty where it adds nothing at all.
     pub fn fluid_traction(&self, pressure: &[f64]) -> Vec<f64> {
-        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
-        let (Some(cracks), Some(coupling)) = (cracks, &self.coupling) else {
+        let (Some(cracks), Some(coupling)) = (self.cracks(), &self.coupling) else {
             return Vec::new();
         };
         let biot = |i: usize| coupling.divergence.weight[i] / self.cloud.volume[i];
-        let added = |i: usize| match cracks.pressure(i, pressure) {
-            Some(own) => own - biot(i) * pressure[i],
-            None => 0.0,
+        let added = |i: usize| -> f64 {
+            let pressing = cracks.pressing(i, biot(i));
+            pressing
+                .map(|(point, factor)| factor * pressure[point])
+                .sum()
         };
         (0..pressure.len()).map(added).collect()
     }
@@ -67,16 +73,15 @@ impl<const D: usize> Model<D> {
     /// point whose fluid fills them, and the pores beside them take no part in it. Zero without a response.
     pub fn crack_content(&self, response: Option<&Response<D>>) -> Vec<f64> {
         let mut content = vec![0.0; self.cloud.len()];
-        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
-        let (Some(cracks), Some(coupling), Some(response)) = (cracks, &self.coupling, response)
-        else {
+        let parts = (self.cracks(), &self.coupling, response);
+        let (Some(cracks), Some(coupling), Some(response)) = parts else {
             return content;
         };
         for (i, plane) in response.planes.iter().enumerate() {
-            let donor = cracks.donor[i];
-            if donor != DRY {
-                content[i] -= coupling.divergence.weight[i] * plane.opening;
-                content[donor as usize] += self.cloud.volume[i] * plane.opening;
+            let volume = self.cloud.volume[i];
+            let biot = coupling.divergence.weight[i] / volume;
+            for (point, factor) in cracks.pressing(i, biot) {
+                content[point] += factor * volume * plane.opening;
             }
         }
         content
@@ -84,36 +89,29 @@ impl<const D: usize> Model<D> {
 
     /// Which point's pressure acts in the crack at every point; empty in the model of the paper.
     pub fn wet_points(&self) -> Vec<u32> {
-        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
-        cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone())
+        self.cracks()
+            .map_or_else(Vec::new, |cracks| cracks.donor.clone())
     }
 
     /// Adds to a storage per point (m^D/Pa) what open cracks yield to their fluid at a fixed displacement.
     pub fn add_crack_storage(&self, response: &Response<D>, storage: &mut [f64]) {
-        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
-        let (Some(cracks), Some(coupling)) = (cracks, &self.coupling) else {
+        let (Some(cracks), Some(coupling)) = (self.cracks(), &self.coupling) else {
             return;
         };
         for (i, plane) in response.planes.iter().enumerate() {
-            let (volume, weight) = (self.cloud.volume[i], coupling.divergence.weight[i]);
-            let biot = weight / volume;
-            match cracks.donor[i] {
-                DRY => {}
-                donor if donor as usize == i => {
-                    storage[i] += (1.0 - biot).powi(2) * plane.yielding * volume;
-                }
-                donor => {
-                    storage[i] += biot * biot * plane.yielding * volume;
-                    storage[donor as usize] += plane.yielding * volume;
-                }
+            let volume = self.cloud.volume[i];
+            let biot = coupling.divergence.weight[i] / volume;
+            for (point, factor) in cracks.pressing(i, biot) {
+                storage[point] += factor * factor * volume * plane.yielding;
             }
         }
     }
 
     /// Fluid in cracks, m^D: the opening of all points in which the pressure of a crack acts.
     pub fn crack_volume(&self, response: &Response<D>) -> f64 {
-        let cracks = self.fracture_flow.as_ref().and_then(|f| f.cracks.as_ref());
-        let Some(cracks) = cracks else { return 0.0 };
+        let Some(cracks) = self.cracks() else {
+            return 0.0;
+        };
         let planes = response.planes.iter().zip(&self.cloud.volume);
         let wet = planes
             .zip(&cracks.donor)
@@ -123,9 +121,7 @@ impl<const D: usize> Model<D> {
 
     /// Whether cracks hold fluid of their own, so that what a state holds does not follow from increments.
     pub fn has_crack_content(&self) -> bool {
-        self.fracture_flow
-            .as_ref()
-            .is_some_and(|fracture| fracture.cracks.is_some())
+        self.cracks().is_some()
     }
 
     /// All that a state holds per point above rest, V s p + Q u + q w and what cracks hold, m^D.

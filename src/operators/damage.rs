@@ -53,6 +53,8 @@ pub struct Response<const D: usize> {
     pub driving: Vec<f64>,
     /// Damage per point, shape `(n,)`.
     pub damage: Vec<f64>,
+    /// What the fluid added to the effective traction on a crack, Pa, shape `(n,)`; empty without fluid.
+    pub fluid: Vec<f64>,
     /// Planes of cracks, shape `(n,)`; empty in the model of the paper.
     pub planes: Vec<CrackPlane<D>>,
     /// Share of the hourglass stiffness that is left per family, shape `(n,)`.
@@ -86,6 +88,7 @@ impl<const D: usize> Response<D> {
             stress: Vec::with_capacity(points),
             driving: Vec::with_capacity(points),
             damage: Vec::with_capacity(points),
+            fluid: Vec::new(),
             planes: Vec::new(),
             hourglass: Vec::with_capacity(points),
             hourglass_energy: Vec::with_capacity(points),
@@ -152,6 +155,7 @@ impl<const D: usize> Damage<D> {
             (seen, hourglass_energy)
         });
         let mut response = Response::with_capacity(forces, points.len());
+        response.fluid.extend_from_slice(fields.fluid);
         let (mut evaluated, variational) = (0, self.law.is_variational());
         for (owner, (seen, hourglass_energy)) in points.into_iter().enumerate() {
             let Some((strain, point)) = seen else {
@@ -289,6 +293,6 @@ impl<const D: usize> Damage<D> {
     }
 }
 
-/// Damage beyond which the normal of a crack no longer turns. Form E with turning normals and with normals settled
-/// there gives the same cracks (CRACKS.md).
+/// Damage beyond which the normal of a crack no longer turns. Cracks are the same with normals that turn for ever
+/// *(prototype)*.
 const SETTLED: f64 = 2.0 / 3.0;

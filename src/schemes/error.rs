@@ -153,11 +153,11 @@ pub enum StepError {
         /// Iterations done.
         iterations: usize,
     },
-    /// Forces balance, but what the pores took up is not what the strain says.
+    /// Forces balance, but what pores and cracks took up is not what pressure and strain say.
     #[error(
-        "pressure and strain do not agree in the fractures at t = {time:.6e} s: strain owes {splitting_residual:.1e} of the \
-         fluid taken up after {iterations} passes of the run, allowed {allowed:.1e}; take smaller steps, or use \
-         --scheme monolithic"
+        "pressure and strain do not agree in the fractures at t = {time:.6e} s: {splitting_residual:.1e} of the fluid taken \
+         up is not where they say after {iterations} passes of the run, allowed {allowed:.1e}; take smaller steps, or use \
+         --scheme monolithic if another one is in use"
     )]
     Owed {
         /// Time, s.

@@ -32,8 +32,8 @@ fn largest(field: &[f64]) -> f64 {
     field.iter().fold(0.0_f64, |m, u| m.max(u.abs()))
 }
 
-/// CRACKS.md: σ⁰ = (−30, −20) MPa and 20 MPa in a crack across the smaller one: nothing may move. The paper's form
-/// moves by 0.21 p a/E′.
+/// docs/theory.md, section 19: σ⁰ = (−30, −20) MPa and 20 MPa in a crack across the smaller one: nothing may move. The paper's form
+/// moves by 0.21 p a/E′ *(prototype)*.
 #[test]
 fn fluid_at_the_closure_stress_moves_nothing() {
     let turned = "initial.stress={xx = \"-20 MPa\", yy = \"-30 MPa\"}";
@@ -94,7 +94,7 @@ fn rock_under_in_situ_stress_does_not_break_when_it_is_compressed() {
     assert!(state.history.iter().all(|h| *h == 0.0));
 }
 
-/// TOUGHNESS.md, law with exponent 3/2: the total stress peaks at 0.573 √(M c), whatever the stress in situ.
+/// docs/theory.md, section 19: with the exponent 3/2 the total stress peaks at 0.573 √(M c), whatever the stress in situ.
 #[test]
 fn the_strength_of_rock_is_that_of_its_total_stress() {
     for stress in [0.0, -5e6, -30e6] {

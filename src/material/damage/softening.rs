@@ -104,7 +104,7 @@ mod tests {
         }
     }
 
-    /// TOUGHNESS.md, law with exponent 3/2: a bar of modulus E peaks at 0.573 √(E c) at D = 0.451 c, s = 0.286.
+    /// Exponent 3/2, maximum of g √(2X) by hand: a bar of modulus E peaks at 0.573 √(E c) at D = 0.451 c, s = 0.286.
     #[test]
     fn a_bar_with_the_exponent_three_halves_peaks_where_the_closed_form_says() {
         let stress = |x: f64| {

@@ -332,7 +332,7 @@ proptest! {
     }
 }
 
-/// CRACKS.md, form E in the axes of the plane: nn is g σ_nn − (1 − g) p^c, nt is g σ_nt, and tt loses
+/// docs/theory.md, section 19, in the axes of the plane: nn is g σ_nn − (1 − g) p^c, nt is g σ_nt, and tt loses
 /// (1 − g)(λ/M) q_n only.
 #[test]
 fn the_stress_of_a_cut_point_in_the_axes_of_its_plane() {
@@ -354,7 +354,7 @@ fn the_stress_of_a_cut_point_in_the_axes_of_its_plane() {
     assert!((stress[(0, 0)] - along).abs() < 1.0);
 }
 
-/// CRACKS.md, T3: compressed by 2e-4 and then pulled apart, sides held. Nothing breaks in compression, and the total
+/// docs/theory.md, section 19: compressed by 2e-4 and then pulled apart, sides held. Nothing breaks in compression, and the total
 /// stress peaks at the same strength whatever the in-situ stress is: 0.573 √(M c).
 #[test]
 fn in_situ_stress_does_not_break_rock_and_leaves_its_strength() {

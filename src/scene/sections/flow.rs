@@ -140,17 +140,6 @@ pub struct PressureRegion {
     pub pressure: Load<dimension::Pressure>,
 }
 
-impl Flow {
-    /// Whether any pressure is prescribed.
-    pub fn prescribes_pressure(&self) -> bool {
-        !self.regions.is_empty()
-            || self
-                .boundary
-                .iter()
-                .any(|(_, side)| matches!(side.value, Condition::Pressure(_)))
-    }
-}
-
 impl Section for Flow {
     const NAME: &'static str = "flow";
 

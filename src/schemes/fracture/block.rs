@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::tangents::TangentMatrix;
 use crate::geometry::Vector;
-use crate::model::{Coupling, FlowModel, SolidModel};
+use crate::model::{Coupling, CrackFlow, FlowModel, SolidModel};
 use crate::operators::Response;
 use crate::schemes::StepError;
 use crate::schemes::layout::Layout;
@@ -89,29 +89,27 @@ impl FractureBlock {
     }
 }
 
-/// How a pressure enters the traction on a crack: the point and its factor, 1 for that in the crack and −α for that
-/// in the pores.
-type Pressing = [(usize, f64); 2];
-
 impl FractureBlock {
     /// Adds what open cracks couple: opening of their fluid, and what it yields, at a response with its tangents.
-    /// `wet` tells which point's pressure acts in the crack at every point.
     ///
     /// With the factors β of the pressures in the traction, strain and pressures bring the opening at fixed damage,
     /// and by the softening of damage with the derivative of the driving energy.
     pub fn add_cracks<const D: usize>(
         &mut self,
         solid: &SolidModel<D>,
+        cracks: &CrackFlow<D>,
         coupling: &Coupling,
         tangent: &TangentMatrix<D>,
         response: &Response<D>,
-        wet: &[u32],
     ) {
         let (elastic, families) = (&solid.elastic, &solid.elastic.around.families);
         for (owner, plane) in response.planes.iter().enumerate().filter(|(_, p)| p.open) {
             let volume = elastic.around.cloud.volume[owner];
             let biot = coupling.divergence.weight[owner] / volume;
-            let pressing = pressing(owner, wet[owner] as usize, biot, wet.len());
+            let pressing: Vec<(usize, f64)> = cracks.pressing(owner, biot).collect();
+            if pressing.is_empty() {
+                continue;
+            }
             let parting = plane.parting * volume;
             let (softening, drive) = tangent.softening(elastic, owner);
             let soft = softening * plane.strain;
@@ -137,12 +135,12 @@ impl FractureBlock {
         solid: &SolidModel<D>,
         (owner, bond): (usize, usize),
         content: &Vector<D>,
-        pressing: &Pressing,
+        pressing: &[(usize, f64)],
     ) {
         let width = D + 1;
         let end = solid.elastic.around.families.neighbour(bond);
         let sign = solid.elastic.signs(bond);
-        for &(point, factor) in pressing.iter().filter(|(_, factor)| *factor != 0.0) {
+        for &(point, factor) in pressing {
             let row = point * width + D;
             for axis in 0..D {
                 let entry = -self.layout.scale * factor * content[axis];
@@ -158,14 +156,12 @@ impl FractureBlock {
     }
 
     /// Storage (m^D/Pa) among the pressures that act on a crack.
-    fn add_storage(&mut self, yields: f64, pressing: &Pressing) {
+    fn add_storage(&mut self, yields: f64, pressing: &[(usize, f64)]) {
         let (width, square) = (self.layout.dimension + 1, self.layout.scale.powi(2));
         for &(row, one) in pressing {
             for &(column, other) in pressing {
                 let value = -square * yields * one * other;
-                if value != 0.0 {
-                    self.add(row * width + width - 1, column * width + width - 1, value);
-                }
+                self.add(row * width + width - 1, column * width + width - 1, value);
             }
         }
     }
@@ -174,16 +170,6 @@ impl FractureBlock {
         if let Some(place) = self.matrix.nnz_index(row, column) {
             self.matrix.data_mut()[place.0] += value;
         }
-    }
-}
-
-/// The pressures that act on the crack at `owner`, in which that of `donor` acts: none at all beyond `points`, where rock
-/// breaks by its effective stress.
-fn pressing(owner: usize, donor: usize, biot: f64, points: usize) -> Pressing {
-    match donor {
-        donor if donor == owner => [(owner, 1.0 - biot), (owner, 0.0)],
-        donor if donor < points => [(owner, -biot), (donor, 1.0)],
-        _ => [(owner, 0.0); 2],
     }
 }
 

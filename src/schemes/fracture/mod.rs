@@ -58,8 +58,6 @@ const ROUNDING: f64 = 1e-14;
 /// A displacement with what the solid answers to it.
 struct Trial<const D: usize> {
     response: Response<D>,
-    /// What fluid adds to the traction on cracks, Pa.
-    fluid: Vec<f64>,
     /// Forces out of balance, N.
     force: Vec<f64>,
     /// Work of the loads, J.
@@ -173,7 +171,7 @@ impl<const D: usize> Fracture<D> {
         let moved = self.tangent.update(
             solid,
             damage,
-            state.view().damage(&at.fluid),
+            state.view().damage(&at.response.fluid),
             &at.response,
             softening,
         );
@@ -259,7 +257,6 @@ fn residual_at<const D: usize>(
     solid_of(model)?.subtract_internal_force(&response, &mut force);
     Ok(Trial {
         work: dot(external, &state.displacement),
-        fluid: model.fluid_traction(&state.pressure),
         response,
         force,
     })

@@ -8,7 +8,7 @@
 
 use perifrac_solvers::norm2;
 
-use super::passes::PassMonitor;
+use super::passes::{NEAR, PassMonitor};
 use super::{FractureFlowStep, StepStart, Trial};
 use crate::material::TangentKind;
 use crate::model::Model;
@@ -20,16 +20,11 @@ const BALANCED_MASS: f64 = 5e-7;
 const ROUNDING: f64 = 1e-14;
 /// Share of what a pass with the exact tangent found out of balance that it may leave.
 const LEFT: f64 = 0.9;
-/// Forces out of balance, relative to all forces, up to which points may become wet: far from balance a pass may break
-/// much that does not stay so.
-const NEAR: f64 = 3e-2;
-
 /// Where a pass stands.
-pub(super) struct Place<const D: usize> {
-    /// The response and the forces.
-    pub at: Trial<D>,
+struct Place<const D: usize> {
+    at: Trial<D>,
     /// What points must still take up, m^D.
-    pub mass: Vec<f64>,
+    mass: Vec<f64>,
     /// Forces out of balance, relative to all forces.
     forces: f64,
     /// Whether points have become wet, so that it does not compare with the place before.
@@ -49,7 +44,6 @@ impl<const D: usize> FractureFlowStep<D> {
     ) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut watch = PassMonitor::new(0.0);
-        self.acceleration.forget();
         let mut tried = TangentKind::Secant;
         let mut before: Option<(Vec<f64>, Place<D>)> = None;
         for pass in 0..=self.plan.iterations {
@@ -60,7 +54,6 @@ impl<const D: usize> FractureFlowStep<D> {
                 && here.forces > self.plan.tolerance.max(LEFT * place.forces)
             {
                 self.policy.failed();
-                self.acceleration.forget();
                 self.set_unknowns(&from, state);
                 here = self.return_to(model, place)?;
             }
@@ -99,6 +92,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut at = self.evaluate(model, state)?;
         let mut forces = self.imbalance(&at, state.time)?;
         let mut rewetted = false;
+        // Far from balance a pass may break much that does not stay so: nothing becomes wet by it.
         if forces <= NEAR {
             let before = model.wet_points();
             model.follow_fractures(&at.response, &state.displacement, &state.walls);
@@ -110,7 +104,8 @@ impl<const D: usize> FractureFlowStep<D> {
         } else {
             model.follow_openings(&at.response);
         }
-        let (mass, moved) = self.mass_left(model, start, state, &at)?;
+        let (mass, taken) = self.mass_residual(model, start, state, &at.response)?;
+        let moved = self.moved(model, start, state, taken)?;
         let mass_off = mass.iter().map(|m| m.abs()).sum::<f64>() / moved;
         let off = (forces / self.plan.tolerance).max(mass_off / BALANCED_MASS);
         Ok(Place {
@@ -128,41 +123,25 @@ impl<const D: usize> FractureFlowStep<D> {
         Ok(place)
     }
 
-    /// What points must still take up over the step, zero where the pressure is prescribed, and the scale of what
-    /// moves; m^D.
-    fn mass_left(
-        &mut self,
+    /// Scale of the fluid that moves in a step in which points took up `taken` (Σ of absolutes), m^D. What strain and
+    /// pressure move in opposite ways counts as well, and rounding of all that is held.
+    fn moved(
+        &self,
         model: &Model<D>,
         start: &StepStart<'_>,
         state: &State,
-        at: &Trial<D>,
-    ) -> Result<(Vec<f64>, f64), StepError> {
+        taken: f64,
+    ) -> Result<f64, StepError> {
         let flow = flow_of(model)?;
-        let mut left = vec![0.0; flow.points()];
-        flow.imbalance(state.time, &state.pressure, &mut left);
-        self.products += 1;
-        let held = model.held(&state.view(), Some(&at.response));
+        let size = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
         let step = state.since(start.state);
-        let strained = model.content(&step.displacement, &step.walls);
-        let (mut moved, mut all) = (0.0, 0.0);
-        for (i, left) in left.iter_mut().enumerate() {
-            let taken = held[i] - start.held[i];
-            // What strain and pressure move in opposite ways counts as well.
-            let squeezed = flow.capacity[i] * step.pressure[i];
-            moved += taken.abs() + strained[i].abs() + squeezed.abs();
-            all += held[i].abs() + start.held[i].abs();
-            *left = match self.is_fixed[i] {
-                true => 0.0,
-                false => start.dt * *left - taken,
-            };
-        }
-        let moved = moved + start.dt * flow.flows(&state.pressure, state.time).gross;
-        Ok((
-            left,
-            moved
-                .max(ROUNDING / BALANCED_MASS * all)
-                .max(f64::MIN_POSITIVE),
-        ))
+        let strained = size(&model.content(&step.displacement, &step.walls));
+        let pairs = flow.capacity.iter().zip(&step.pressure);
+        let squeezed: f64 = pairs.map(|(capacity, p)| (capacity * p).abs()).sum();
+        let gross = start.dt * flow.flows(&state.pressure, state.time).gross;
+        let rounding = ROUNDING / BALANCED_MASS * size(&start.held);
+        let moved = taken + strained + squeezed + gross;
+        Ok(moved.max(rounding).max(f64::MIN_POSITIVE))
     }
 
     /// Solves the linear system of both fields and moves the state by what it tells; gives its tangent.
@@ -182,14 +161,17 @@ impl<const D: usize> FractureFlowStep<D> {
             TangentKind::Bounded => TangentKind::Secant,
             softening => softening,
         };
-        let mut solved = self.solve_together(model, state, here, (dt, softening), report);
+        let from = (&here.at, &here.mass[..]);
+        let mut solved = self.solve_together(model, state, from, (dt, softening), report);
         if softening == TangentKind::Consistent && solved.is_err() {
             self.policy.failed();
             self.reuse.forget();
             softening = TangentKind::Secant;
-            solved = self.solve_together(model, state, here, (dt, softening), report);
+            solved = self.solve_together(model, state, from, (dt, softening), report);
         }
-        let (displacement, pressure) = solved?;
+        let (displacement, pressure) = solved?.ok_or(StepError::Missing {
+            part: "the matrix of both fields",
+        })?;
         let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(t, b)| *t += b);
         add(&mut state.displacement, &displacement);
         add(&mut state.pressure, &pressure);

@@ -2,7 +2,6 @@
 
 use perifrac_solvers::{dot, multiply};
 
-use super::coupled::Place;
 use super::{FractureFlowStep, Trial};
 use crate::material::TangentKind;
 use crate::model::Model;
@@ -24,36 +23,52 @@ pub(super) struct SearchDirection {
 }
 
 impl<const D: usize> FractureFlowStep<D> {
-    /// Changes of displacement and pressure that balance forces and mass as far as the tangent tells, m and Pa.
+    /// Brings the tangents to a trial.
+    fn follow_tangent(
+        &mut self,
+        model: &Model<D>,
+        state: &State,
+        at: &Trial<D>,
+        softening: TangentKind,
+    ) -> Result<(), StepError> {
+        let solid = solid_of(model)?;
+        let (response, damage) = (&at.response, damage_of(solid)?);
+        let fields = state.view().damage(&response.fluid);
+        self.tangent
+            .update(solid, damage, fields, response, softening);
+        Ok(())
+    }
+
+    /// Changes of displacement and pressure that balance forces and fluid as far as the tangent tells, m and Pa; `mass`
+    /// is what points must still take up, m^D, empty where that is nothing. `None` where fields take turns.
     pub(super) fn solve_together(
         &mut self,
         model: &Model<D>,
         state: &State,
-        here: &Place<D>,
+        (at, mass): (&Trial<D>, &[f64]),
         (dt, softening): (f64, TangentKind),
         report: &mut StepReport,
-    ) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+    ) -> Result<Option<(Vec<f64>, Vec<f64>)>, StepError> {
+        self.follow_tangent(model, state, at, softening)?;
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
-        let (damage, at) = (damage_of(solid)?, &here.at);
-        let fields = state.view().damage(&at.fluid);
-        self.tangent
-            .update(solid, damage, fields, &at.response, softening);
         let Some(block) = &mut self.block else {
-            return Err(StepError::Missing {
-                part: "the matrix of both fields",
-            });
+            return Ok(None);
         };
-        let (tangent, wet) = (&self.tangent, model.wet_points());
+        let tangent = &self.tangent;
         let fill = || {
             block.fill(tangent.matrix.data(), solid, flow, coupling, dt);
-            block.add_cracks(solid, coupling, tangent, &at.response, &wet);
+            if let Some(cracks) = model.cracks() {
+                block.add_cracks(solid, cracks, coupling, tangent, &at.response);
+            }
         };
         model.timers.time("assembly", fill);
         let (width, scale) = (D + 1, block.layout.scale);
         let mut rhs = vec![0.0; block.matrix.rows()];
-        for (point, force) in at.force.chunks(D).enumerate() {
-            rhs[point * width..][..D].copy_from_slice(force);
-            rhs[point * width + D] = -scale * here.mass[point];
+        for (own, force) in rhs.chunks_mut(width).zip(at.force.chunks(D)) {
+            own[..D].copy_from_slice(force);
+        }
+        for (own, mass) in rhs.chunks_mut(width).zip(mass) {
+            own[D] = -scale * mass;
         }
         let mut x = vec![0.0; rhs.len()];
         let solver = &mut *self.solver;
@@ -61,7 +76,22 @@ impl<const D: usize> FractureFlowStep<D> {
         report.iterations += (self.reuse).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
         let unknowns = x.chunks(width);
         let displacement = unknowns.clone().flat_map(|own| own[..D].to_vec()).collect();
-        Ok((displacement, unknowns.map(|own| scale * own[D]).collect()))
+        let pressure = unknowns.map(|own| scale * own[D]).collect();
+        Ok(Some((displacement, pressure)))
+    }
+
+    /// Change of the displacement alone that balances the forces as far as the tangent tells, m.
+    fn solve_alone(
+        &mut self,
+        force: &[f64],
+        report: &mut StepReport,
+    ) -> Result<Vec<f64>, StepError> {
+        let matrix = self.tangent.matrix.view();
+        let mut displacement = vec![0.0; force.len()];
+        let solver = &mut *self.solver;
+        report.iterations +=
+            (self.reuse).solve(solver, matrix, force, &mut displacement, FORCING_ALONE)?;
+        Ok(displacement)
     }
 
     /// Solution of the linear system at a trial whose pressure is balanced.
@@ -74,47 +104,16 @@ impl<const D: usize> FractureFlowStep<D> {
         softening: TangentKind,
         report: &mut StepReport,
     ) -> Result<SearchDirection, StepError> {
-        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
-        let damage = damage_of(solid)?;
-        self.tangent.update(
-            solid,
-            damage,
-            state.view().damage(&at.fluid),
-            &at.response,
-            softening,
-        );
-        let Some(block) = &mut self.block else {
-            let matrix = self.tangent.matrix.view();
-            let mut displacement = vec![0.0; at.force.len()];
-            let (solver, tolerance) = (&mut *self.solver, FORCING_ALONE);
-            let force = &at.force;
-            report.iterations +=
-                self.reuse
-                    .solve(solver, matrix, force, &mut displacement, tolerance)?;
+        let both = self.solve_together(model, state, (at, &[]), (dt, softening), report)?;
+        let Some((displacement, pressure)) = both else {
             // The pressure stands still and is brought to the displacement in the next pass.
             return Ok(SearchDirection {
-                displacement,
+                displacement: self.solve_alone(&at.force, report)?,
                 pressure: vec![0.0; state.pressure.len()],
                 bend: [0.0; 2],
             });
         };
-        let stiffness = self.tangent.matrix.data();
-        let fill = || block.fill(stiffness, solid, flow, coupling, dt);
-        model.timers.time("assembly", fill);
-        let matrix = block.matrix.view();
-        let (width, scale) = (D + 1, block.layout.scale);
-        let mut rhs = vec![0.0; block.matrix.rows()];
-        for (point, force) in at.force.chunks(D).enumerate() {
-            rhs[point * width..][..D].copy_from_slice(force);
-        }
-        let mut x = vec![0.0; rhs.len()];
-        let solver = &mut *self.solver;
-        report.iterations += (self.reuse).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
-        let points = state.pressure.len();
-        let displacement = (0..points)
-            .flat_map(|i| x[i * width..][..D].to_vec())
-            .collect();
-        let pressure: Vec<f64> = (0..points).map(|i| scale * x[i * width + D]).collect();
+        let flow = flow_of(model)?;
         // ½ pᵀMp is that of the free pressures; the push of the prescribed ones is a load.
         let free = |i: usize, value: f64| if self.is_fixed[i] { 0.0 } else { value };
         let product = |p: &[f64]| {

@@ -17,6 +17,7 @@
 mod coupled;
 mod direction;
 mod passes;
+mod stored;
 
 use perifrac_solvers::{
     Coordinates, Demand, LinearSolver, NearNullspace, PRECONDITIONERS, PreconditionerInfo, Problem,
@@ -40,7 +41,7 @@ use crate::schemes::{
     ImplicitSystem, Memory, Scheme, SchemeCounters, SolidSolver, State, StepError, StepReport,
     coupling_of, flow_of, solid_of,
 };
-pub use passes::close;
+pub use stored::{StepStart, close};
 
 use passes::{FORCING, SHALLOW};
 
@@ -64,7 +65,7 @@ pub struct FractureFlowStep<const D: usize> {
     policy: TangentPolicy,
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
-    /// Whether pressure and displacement are moved together.
+    /// Whether passes move pressure and displacement together, and do not bring the one to the other.
     together: bool,
     /// What fractures yield, where fields take turns.
     compliance: Compliance,
@@ -79,36 +80,13 @@ pub struct FractureFlowStep<const D: usize> {
     products: u64,
 }
 
-/// Where a step starts.
-pub struct StepStart<'a> {
-    /// The state.
-    pub state: &'a State,
-    /// What points hold there, m^D, shape `(n,)`; empty where that does not follow from a state.
-    pub held: Vec<f64>,
-    /// Length of the step, s.
-    pub dt: f64,
-}
-
 /// Pressure and displacement with what they leave out of balance.
 struct Trial<const D: usize> {
     response: Response<D>,
-    /// What fluid adds to the traction on cracks, Pa.
-    fluid: Vec<f64>,
     /// Forces out of balance, N.
     force: Vec<f64>,
     /// Σ of the absolute forces, N.
     scale: f64,
-}
-
-impl<'a> StepStart<'a> {
-    /// A step of `dt` seconds from a state, with the model at its coefficients.
-    pub fn new<const D: usize>(model: &Model<D>, state: &'a State, dt: f64) -> Self {
-        let held = match model.has_crack_content() {
-            true => model.held(&state.view(), model.response(&state.view()).as_ref()),
-            false => Vec::new(),
-        };
-        StepStart { state, held, dt }
-    }
 }
 
 impl<const D: usize> FractureFlowStep<D> {

@@ -3,17 +3,17 @@
 use perifrac_solvers::norm2;
 
 use super::super::not_finite;
-use super::{FractureFlowStep, StepStart, Trial};
+use super::stored::{StepStart, stored_increment};
+use super::{FractureFlowStep, Trial};
 use crate::material::TangentKind;
 use crate::model::Model;
 use crate::operators::Response;
 use crate::schemes::fracture::{Fracture, damage_of};
-use crate::schemes::implicit::weighted_flows;
 use crate::schemes::stagnation::Stagnation;
 use crate::schemes::{SolidSolver, State, StepError, StepReport, flow_of, solid_of};
 
 /// Forces out of balance, relative to all, from which passes are taken to contract.
-const NEAR: f64 = 3e-2;
+pub(super) const NEAR: f64 = 3e-2;
 /// Share of the imbalance before a pass that may be left by it before something is amiss.
 const SLOW: f64 = 0.7;
 /// Growth of the imbalance in a pass from which what earlier passes taught is forgotten.
@@ -149,7 +149,7 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// What the pores must still take up over the step, zero where the pressure is prescribed, and what
     /// they took, Σ of absolutes; m^D.
-    fn mass_residual(
+    pub(super) fn mass_residual(
         &mut self,
         model: &Model<D>,
         start: &StepStart<'_>,
@@ -248,7 +248,7 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// Goes on from a pass that led from `start` to the state; false if it stays there. The coefficients
     /// of flow lag behind, so near the end passes contract linearly, and the energy says nothing of it.
-    pub(super) fn accelerate(
+    fn accelerate(
         &mut self,
         start: Vec<f64>,
         state: &mut State,
@@ -300,7 +300,7 @@ impl<const D: usize> FractureFlowStep<D> {
         report: &mut StepReport,
     ) -> Result<Model<D>, StepError> {
         let mut model = model.clone();
-        match self.block.is_some() && model.has_crack_content() {
+        match self.together {
             true => self.converge_coupled(&mut model, start, state, report)?,
             false => self.converge(&mut model, start, state, report)?,
         }
@@ -451,58 +451,8 @@ fn force_residual<const D: usize>(
         + solid.in_situ_force;
     solid.subtract_internal_force(&response, &mut force);
     Ok(Trial {
-        fluid: model.fluid_traction(&state.pressure),
         response,
         force,
         scale,
     })
-}
-
-/// What the pores took up since `old`, at the coefficients of now, m^D.
-fn stored_increment<const D: usize>(
-    model: &Model<D>,
-    start: &StepStart<'_>,
-    state: &State,
-    response: Option<&Response<D>>,
-) -> Result<Vec<f64>, StepError> {
-    let flow = flow_of(model)?;
-    if model.has_crack_content() {
-        let held = model.held(&state.view(), response);
-        return Ok(held.iter().zip(&start.held).map(|(n, o)| n - o).collect());
-    }
-    let step = state.since(start.state);
-    let mut taken = model.content(&step.displacement, &step.walls);
-    for (i, taken) in taken.iter_mut().enumerate() {
-        *taken += flow.capacity[i] * step.pressure[i];
-    }
-    Ok(taken)
-}
-
-/// Enters into a report what came in over a step of `dt` seconds with the rates of a state, and what the
-/// pores took up.
-///
-/// # Errors
-/// [`StepError::Missing`] without flow.
-pub fn close<const D: usize>(
-    model: &Model<D>,
-    start: &StepStart<'_>,
-    new: &State,
-    (dt, at): (f64, &State),
-    report: &mut StepReport,
-) -> Result<(), StepError> {
-    let flow = flow_of(model)?;
-    let mut imbalance = vec![0.0; flow.points()];
-    flow.imbalance(at.time, &at.pressure, &mut imbalance);
-    let response = match model.has_crack_content() {
-        true => model.response(&new.view()),
-        false => None,
-    };
-    let taken = stored_increment(model, start, new, response.as_ref())?;
-    report.flows = weighted_flows(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
-    for fixed in &flow.fixed {
-        report.flows.hold(fixed.load, taken[fixed.point]);
-    }
-    // What a state holds is audited as such; what follows from increments only can be as their sum.
-    report.stored = (!model.has_crack_content()).then(|| taken.iter().sum());
-    Ok(())
 }

@@ -1,0 +1,76 @@
+//! What pores and cracks take up in a step.
+
+use crate::model::Model;
+use crate::operators::Response;
+use crate::schemes::implicit::weighted_flows;
+use crate::schemes::{State, StepError, StepReport, flow_of};
+
+/// Where a step starts.
+pub struct StepStart<'a> {
+    /// The state.
+    pub state: &'a State,
+    /// What points hold there, m^D, shape `(n,)`; empty where that does not follow from a state.
+    pub held: Vec<f64>,
+    /// Length of the step, s.
+    pub dt: f64,
+}
+
+impl<'a> StepStart<'a> {
+    /// A step of `dt` seconds from a state, with the model at its coefficients.
+    pub fn new<const D: usize>(model: &Model<D>, state: &'a State, dt: f64) -> Self {
+        let held = match model.has_crack_content() {
+            true => model.held(&state.view(), model.response(&state.view()).as_ref()),
+            false => Vec::new(),
+        };
+        StepStart { state, held, dt }
+    }
+}
+
+/// What the pores took up since `old`, at the coefficients of now, m^D.
+pub(super) fn stored_increment<const D: usize>(
+    model: &Model<D>,
+    start: &StepStart<'_>,
+    state: &State,
+    response: Option<&Response<D>>,
+) -> Result<Vec<f64>, StepError> {
+    let flow = flow_of(model)?;
+    if model.has_crack_content() {
+        let held = model.held(&state.view(), response);
+        return Ok(held.iter().zip(&start.held).map(|(n, o)| n - o).collect());
+    }
+    let step = state.since(start.state);
+    let mut taken = model.content(&step.displacement, &step.walls);
+    for (i, taken) in taken.iter_mut().enumerate() {
+        *taken += flow.capacity[i] * step.pressure[i];
+    }
+    Ok(taken)
+}
+
+/// Enters into a report what came in over a step of `dt` seconds with the rates of a state, and what the
+/// pores took up.
+///
+/// # Errors
+/// [`StepError::Missing`] without flow.
+pub fn close<const D: usize>(
+    model: &Model<D>,
+    start: &StepStart<'_>,
+    new: &State,
+    (dt, at): (f64, &State),
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    let flow = flow_of(model)?;
+    let mut imbalance = vec![0.0; flow.points()];
+    flow.imbalance(at.time, &at.pressure, &mut imbalance);
+    let response = match model.has_crack_content() {
+        true => model.response(&new.view()),
+        false => None,
+    };
+    let taken = stored_increment(model, start, new, response.as_ref())?;
+    report.flows = weighted_flows(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
+    for fixed in &flow.fixed {
+        report.flows.hold(fixed.load, taken[fixed.point]);
+    }
+    // What a state holds is audited as such; what follows from increments only can be as their sum.
+    report.stored = (!model.has_crack_content()).then(|| taken.iter().sum());
+    Ok(())
+}
