@@ -169,12 +169,12 @@ impl<const D: usize> FractureFlowStep<D> {
             softening = TangentKind::Secant;
             solved = self.solve_together(model, state, from, (dt, softening), report);
         }
-        let (displacement, pressure) = solved?.ok_or(StepError::Missing {
+        let change = solved?.ok_or(StepError::Missing {
             part: "the matrix of both fields",
         })?;
         let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(t, b)| *t += b);
-        add(&mut state.displacement, &displacement);
-        add(&mut state.pressure, &pressure);
+        add(&mut state.displacement, &change.displacement);
+        add(&mut state.pressure, &change.pressure);
         Ok(softening)
     }
 }

@@ -7,7 +7,7 @@ use crate::material::TangentKind;
 use crate::model::Model;
 use crate::schemes::fracture::damage_of;
 use crate::schemes::fracture::line_search::{LineSearch, line_search};
-use crate::schemes::{State, StepError, StepReport, coupling_of, flow_of, solid_of};
+use crate::schemes::{Increment, State, StepError, StepReport, coupling_of, flow_of, solid_of};
 
 /// Residual of the linear systems of the displacement alone, relative to the forces out of balance.
 const FORCING_ALONE: f64 = 1e-2;
@@ -39,7 +39,7 @@ impl<const D: usize> FractureFlowStep<D> {
         Ok(())
     }
 
-    /// Changes of displacement and pressure that balance forces and fluid as far as the tangent tells, m and Pa; `mass`
+    /// Changes of displacement and pressure that balance forces and fluid as far as the tangent tells; `mass`
     /// is what points must still take up, m^D, empty where that is nothing. `None` where fields take turns.
     pub(super) fn solve_together(
         &mut self,
@@ -48,7 +48,7 @@ impl<const D: usize> FractureFlowStep<D> {
         (at, mass): (&Trial<D>, &[f64]),
         (dt, softening): (f64, TangentKind),
         report: &mut StepReport,
-    ) -> Result<Option<(Vec<f64>, Vec<f64>)>, StepError> {
+    ) -> Result<Option<Increment>, StepError> {
         self.follow_tangent(model, state, at, softening)?;
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let Some(block) = &mut self.block else {
@@ -75,9 +75,11 @@ impl<const D: usize> FractureFlowStep<D> {
         let matrix = block.matrix.view();
         report.iterations += (self.reuse).solve(solver, matrix, &rhs, &mut x, self.forcing)?;
         let unknowns = x.chunks(width);
-        let displacement = unknowns.clone().flat_map(|own| own[..D].to_vec()).collect();
-        let pressure = unknowns.map(|own| scale * own[D]).collect();
-        Ok(Some((displacement, pressure)))
+        Ok(Some(Increment {
+            displacement: unknowns.clone().flat_map(|own| own[..D].to_vec()).collect(),
+            pressure: unknowns.map(|own| scale * own[D]).collect(),
+            walls: Vec::new(),
+        }))
     }
 
     /// Change of the displacement alone that balances the forces as far as the tangent tells, m.
@@ -105,7 +107,12 @@ impl<const D: usize> FractureFlowStep<D> {
         report: &mut StepReport,
     ) -> Result<SearchDirection, StepError> {
         let both = self.solve_together(model, state, (at, &[]), (dt, softening), report)?;
-        let Some((displacement, pressure)) = both else {
+        let Some(Increment {
+            displacement,
+            pressure,
+            ..
+        }) = both
+        else {
             // The pressure stands still and is brought to the displacement in the next pass.
             return Ok(SearchDirection {
                 displacement: self.solve_alone(&at.force, report)?,
