@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CrackFlow, Model};
+use super::Model;
 use crate::boundary::BoundaryPlane;
 use crate::effects::Opening;
 
@@ -27,6 +27,8 @@ pub struct Coefficients {
     pub donor: Vec<u32>,
     /// Openings of cracks and widths of their bands, m.
     pub opening: Vec<Opening>,
+    /// What the pores of points in cracks hold for good, m^D; empty in the model of the paper.
+    pub pores: Vec<f64>,
     /// Values of L that belong to the mobility; filled anew where they are absent, as after a restart.
     #[serde(skip)]
     conductance: Vec<f64>,
@@ -49,7 +51,9 @@ impl PartialEq for Coefficients {
             } = own.clone();
             [permeability, mobility, capacity, biot, aperture]
         };
-        let cracks = self.donor == other.donor && self.opening == other.opening;
+        let cracks = self.donor == other.donor
+            && self.opening == other.opening
+            && self.pores == other.pores;
         cracks && fields(self) == fields(other)
     }
 }
@@ -57,7 +61,7 @@ impl PartialEq for Coefficients {
 impl Coefficients {
     /// Bytes of the fields.
     pub fn bytes(&self) -> usize {
-        8 * (5 * self.permeability.len() + 2 * self.opening.len()) + 4 * self.donor.len()
+        8 * (5 * self.permeability.len() + 2 * self.opening.len() + self.pores.len()) + 4 * self.donor.len()
     }
 }
 
@@ -69,6 +73,7 @@ impl<const D: usize> Model<D> {
         Some(Arc::new(Coefficients {
             donor: cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone()),
             opening: cracks.map_or_else(Vec::new, |cracks| cracks.opening.clone()),
+            pores: cracks.map_or_else(Vec::new, |cracks| cracks.pores.clone()),
             permeability: self.permeability.clone(),
             mobility: flow.mobility.clone(),
             capacity: flow.capacity.clone(),
@@ -106,9 +111,10 @@ impl<const D: usize> Model<D> {
         flow.capacity.clone_from(&coefficients.capacity);
         coupling.divergence.weight.clone_from(&coefficients.biot);
         fracture.aperture.clone_from(&coefficients.aperture);
-        if let Some(CrackFlow { donor, opening, .. }) = &mut fracture.cracks {
-            donor.clone_from(&coefficients.donor);
-            opening.clone_from(&coefficients.opening);
+        if let Some(cracks) = &mut fracture.cracks {
+            cracks.donor.clone_from(&coefficients.donor);
+            cracks.opening.clone_from(&coefficients.opening);
+            cracks.pores.clone_from(&coefficients.pores);
         }
         if coefficients.conductance.is_empty() {
             flow.refill();

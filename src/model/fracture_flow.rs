@@ -146,14 +146,17 @@ impl<const D: usize> FractureFlow<D> {
     fn fill_cracks(
         &mut self,
         solid: &SolidModel<D>,
-        (response, may_wet): (&Response<D>, bool),
+        (response, wetting): (&Response<D>, Option<&[f64]>),
         flow: &mut FlowModel<D>,
         permeability: &mut [f64],
     ) {
         let Some(cracks) = &mut self.cracks else {
             return;
         };
-        cracks.follow(&solid.elastic, response, may_wet);
+        let wetted = cracks.follow(&solid.elastic, response, wetting.is_some());
+        if let Some(pressure) = wetting {
+            cracks.seal(&wetted, &mut flow.capacity, pressure);
+        }
         let evaluated = (0..flow.points()).filter(|i| cracks.is_wet(*i)).count();
         self.evaluations
             .fetch_add(evaluated as u64, Ordering::Relaxed);
@@ -178,16 +181,17 @@ impl<const D: usize> FractureFlow<D> {
 
 impl<const D: usize> Model<D> {
     /// Brings permeability, storage and Biot's coefficient to the damage and the openings of a state,
-    /// and fills L anew; nothing without flow in fractures.
+    /// and fills L anew; nothing without flow in fractures. `before` is the pressure (Pa) at which pores that become
+    /// part of a crack close, that of the start of a step.
     pub fn follow_fractures(
         &mut self,
         response: &Response<D>,
-        displacement: &[f64],
-        walls: &[f64],
+        (displacement, walls): (&[f64], &[f64]),
+        before: &[f64],
     ) {
         let timers = self.timers.clone();
         let mix = || match self.has_crack_content() {
-            true => self.fill_cracks(response, true),
+            true => self.fill_cracks(response, Some(before)),
             false => self.mix_fractures(response, displacement, walls),
         };
         timers.time("flow", mix);
@@ -196,10 +200,10 @@ impl<const D: usize> Model<D> {
     /// Brings what cracks conduct to the openings of a state, in the split model: no point becomes wet by it.
     pub fn follow_openings(&mut self, response: &Response<D>) {
         let timers = self.timers.clone();
-        timers.time("flow", || self.fill_cracks(response, false));
+        timers.time("flow", || self.fill_cracks(response, None));
     }
 
-    fn fill_cracks(&mut self, response: &Response<D>, may_wet: bool) {
+    fn fill_cracks(&mut self, response: &Response<D>, wetting: Option<&[f64]>) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),
@@ -210,7 +214,7 @@ impl<const D: usize> Model<D> {
         else {
             return;
         };
-        fracture.fill_cracks(solid, (response, may_wet), flow, permeability);
+        fracture.fill_cracks(solid, (response, wetting), flow, permeability);
     }
 
     fn mix_fractures(&mut self, response: &Response<D>, displacement: &[f64], walls: &[f64]) {

@@ -132,6 +132,9 @@ impl<const D: usize> Model<D> {
         for (i, capacity) in capacity.enumerate() {
             held[i] += capacity * state.pressure[i] + cracks[i];
         }
+        let pores = self.cracks().map_or(&[][..], |cracks| &cracks.pores);
+        let pairs = held.iter_mut().zip(pores);
+        pairs.for_each(|(held, pores)| *held += pores);
         held
     }
 

@@ -270,8 +270,12 @@ impl Stored {
         }
         let pairs = flow.capacity.iter().zip(&state.pressure);
         let size: f64 = pairs.map(|(c, p)| (c * p).abs()).sum();
+        let pores = model.cracks().map_or(&[][..], |cracks| &cracks.pores);
         Stored {
-            parts: [flow.stored(&state.pressure), content.iter().sum()],
+            parts: [
+                flow.stored(&state.pressure) + pores.iter().sum::<f64>(),
+                content.iter().sum(),
+            ],
             held: size + content.iter().map(|c| c.abs()).sum::<f64>(),
         }
     }

@@ -73,7 +73,8 @@ impl<const D: usize> LaggedFracture<D> {
         let response = model
             .response(&state.view())
             .ok_or(StepError::Missing { part: "[damage]" })?;
-        model.follow_fractures(&response, &state.displacement, &state.walls);
+        let fields = (&state.displacement[..], &state.walls[..]);
+        model.follow_fractures(&response, fields, &state.pressure);
         let (solid, relaxation) = (self.passes.solid(), self.options.relaxation);
         let iterations = self.compliance.follow(model, state, relaxation, |raised| {
             solid.equilibrate(model, raised)

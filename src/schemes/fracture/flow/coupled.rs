@@ -95,7 +95,8 @@ impl<const D: usize> FractureFlowStep<D> {
         // Far from balance a pass may break much that does not stay so: nothing becomes wet by it.
         if forces <= NEAR {
             let before = model.wet_points();
-            model.follow_fractures(&at.response, &state.displacement, &state.walls);
+            let fields = (&state.displacement[..], &state.walls[..]);
+            model.follow_fractures(&at.response, fields, &start.state.pressure);
             rewetted = before != model.wet_points();
             if rewetted {
                 at = self.evaluate(model, state)?;

@@ -174,7 +174,8 @@ impl<const D: usize> FractureFlowStep<D> {
         let response = now
             .response(&state.view())
             .ok_or(StepError::Missing { part: "[damage]" })?;
-        now.follow_fractures(&response, &state.displacement, &state.walls);
+        let fields = (&state.displacement[..], &state.walls[..]);
+        now.follow_fractures(&response, fields, &state.pressure);
         self.remember(&now, state);
         Ok(())
     }

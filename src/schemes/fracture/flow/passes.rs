@@ -322,7 +322,8 @@ impl<const D: usize> FractureFlowStep<D> {
         self.acceleration.forget();
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
-            model.follow_fractures(&found.response, &state.displacement, &state.walls);
+            let fields = (&state.displacement[..], &state.walls[..]);
+            model.follow_fractures(&found.response, fields, &old.pressure);
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;
             }
