@@ -51,9 +51,8 @@ impl PartialEq for Coefficients {
             } = own.clone();
             [permeability, mobility, capacity, biot, aperture]
         };
-        let cracks = self.donor == other.donor
-            && self.opening == other.opening
-            && self.pores == other.pores;
+        let cracks =
+            self.donor == other.donor && self.opening == other.opening && self.pores == other.pores;
         cracks && fields(self) == fields(other)
     }
 }
@@ -61,7 +60,8 @@ impl PartialEq for Coefficients {
 impl Coefficients {
     /// Bytes of the fields.
     pub fn bytes(&self) -> usize {
-        8 * (5 * self.permeability.len() + 2 * self.opening.len() + self.pores.len()) + 4 * self.donor.len()
+        8 * (5 * self.permeability.len() + 2 * self.opening.len() + self.pores.len())
+            + 4 * self.donor.len()
     }
 }
 

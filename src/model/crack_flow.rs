@@ -26,6 +26,24 @@ pub struct CrackFlow<const D: usize> {
     conduction: Arc<BondConductance<D>>,
 }
 
+/// How points may become wet.
+#[derive(Debug, Clone, Copy)]
+pub struct Wetting<'a> {
+    /// Pressure at which the pores of a point close as it becomes wet, Pa: that of the start of a step.
+    pub before: &'a [f64],
+    /// Whether fluid only spreads: a point keeps the one whose pressure it feels until it is wet itself. Passes of a
+    /// step would otherwise hand a point from one to another for ever.
+    pub spreads: bool,
+}
+
+impl<'a> Wetting<'a> {
+    /// Anew at a pressure, Pa.
+    pub fn at(before: &'a [f64]) -> Self {
+        let spreads = false;
+        Wetting { before, spreads }
+    }
+}
+
 /// No point at all.
 pub const DRY: u32 = u32::MAX;
 /// Damage from which a point conducts. Tip energy of a crack driven by fluid over G_c: 0.757, 0.794 and 0.784 for
@@ -60,18 +78,19 @@ impl<const D: usize> CrackFlow<D> {
         &mut self,
         elastic: &Elastic<D>,
         response: &Response<D>,
-        may_wet: bool,
+        wetting: Option<Wetting<'_>>,
     ) -> Vec<usize> {
-        let wets = |(i, s): (usize, &f64)| self.is_wet(i) || may_wet && *s > WET;
+        let wets = |(i, s): (usize, &f64)| self.is_wet(i) || wetting.is_some() && *s > WET;
         let wet: Vec<bool> = response.damage.iter().enumerate().map(wets).collect();
         self.opening = openings(elastic, response, &wet);
-        if !may_wet {
+        let Some(Wetting { spreads, .. }) = wetting else {
             return Vec::new();
-        }
+        };
         let wetted = (0..wet.len()).filter(|i| wet[*i] && !self.is_wet(*i));
         let wetted = wetted.collect();
         let donor = |i: usize| match wet[i] {
             true => i as u32,
+            false if spreads && self.donor[i] != DRY => self.donor[i],
             false => continues(elastic, response, &wet, i),
         };
         self.donor = (0..wet.len()).into_par_iter().map(donor).collect();

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::crack_flow::{CrackFlow, WET};
+use super::crack_flow::{CrackFlow, WET, Wetting};
 use super::{Coupling, FlowModel, Model, SolidModel};
 use crate::effects::aperture;
 use crate::material::DamageModel;
@@ -146,16 +146,16 @@ impl<const D: usize> FractureFlow<D> {
     fn fill_cracks(
         &mut self,
         solid: &SolidModel<D>,
-        (response, wetting): (&Response<D>, Option<&[f64]>),
+        (response, wetting): (&Response<D>, Option<Wetting<'_>>),
         flow: &mut FlowModel<D>,
         permeability: &mut [f64],
     ) {
         let Some(cracks) = &mut self.cracks else {
             return;
         };
-        let wetted = cracks.follow(&solid.elastic, response, wetting.is_some());
-        if let Some(pressure) = wetting {
-            cracks.seal(&wetted, &mut flow.capacity, pressure);
+        let wetted = cracks.follow(&solid.elastic, response, wetting);
+        if let Some(Wetting { before, .. }) = wetting {
+            cracks.seal(&wetted, &mut flow.capacity, before);
         }
         let evaluated = (0..flow.points()).filter(|i| cracks.is_wet(*i)).count();
         self.evaluations
@@ -181,17 +181,16 @@ impl<const D: usize> FractureFlow<D> {
 
 impl<const D: usize> Model<D> {
     /// Brings permeability, storage and Biot's coefficient to the damage and the openings of a state,
-    /// and fills L anew; nothing without flow in fractures. `before` is the pressure (Pa) at which pores that become
-    /// part of a crack close, that of the start of a step.
+    /// and fills L anew; nothing without flow in fractures.
     pub fn follow_fractures(
         &mut self,
         response: &Response<D>,
         (displacement, walls): (&[f64], &[f64]),
-        before: &[f64],
+        wetting: Wetting<'_>,
     ) {
         let timers = self.timers.clone();
         let mix = || match self.has_crack_content() {
-            true => self.fill_cracks(response, Some(before)),
+            true => self.fill_cracks(response, Some(wetting)),
             false => self.mix_fractures(response, displacement, walls),
         };
         timers.time("flow", mix);
@@ -203,7 +202,7 @@ impl<const D: usize> Model<D> {
         timers.time("flow", || self.fill_cracks(response, None));
     }
 
-    fn fill_cracks(&mut self, response: &Response<D>, wetting: Option<&[f64]>) {
+    fn fill_cracks(&mut self, response: &Response<D>, wetting: Option<Wetting<'_>>) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),

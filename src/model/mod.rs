@@ -34,7 +34,7 @@ pub use bands::Bands;
 pub use cloud::{build_cloud, build_families};
 pub use coefficients::Coefficients;
 pub use coupling::{Audit, Coupling};
-pub use crack_flow::{CrackFlow, DRY};
+pub use crack_flow::{CrackFlow, DRY, Wetting};
 pub use disc::Disc;
 pub use error::ModelError;
 pub use fixed::FixedPressure;

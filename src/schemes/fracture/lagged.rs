@@ -12,7 +12,7 @@
 
 use super::compliance::Compliance;
 use super::flow::{StepStart, close};
-use crate::model::Model;
+use crate::model::{Model, Wetting};
 use crate::plan::{Plan, SchemeChoice, SchemeOptions};
 use crate::schemes::limits::lagged_limit;
 use crate::schemes::memory::{Memory, Rates};
@@ -74,7 +74,8 @@ impl<const D: usize> LaggedFracture<D> {
             .response(&state.view())
             .ok_or(StepError::Missing { part: "[damage]" })?;
         let fields = (&state.displacement[..], &state.walls[..]);
-        model.follow_fractures(&response, fields, &state.pressure);
+        let wetting = Wetting::at(&state.pressure);
+        model.follow_fractures(&response, fields, wetting);
         let (solid, relaxation) = (self.passes.solid(), self.options.relaxation);
         let iterations = self.compliance.follow(model, state, relaxation, |raised| {
             solid.equilibrate(model, raised)

@@ -6,7 +6,8 @@ use crate::schemes::{State, StepError, flow_of};
 
 impl Rates {
     /// Error of the step of `dt` seconds from one state to the other, into which its rates are entered.
-    /// `None` in the first step.
+    /// `None` in the first step, and in a step in which a crack takes in points, and after it: the growth of damage
+    /// alone bounds those.
     ///
     /// # Errors
     /// [`StepError::Missing`] without flow.
@@ -16,8 +17,10 @@ impl Rates {
         dt: f64,
     ) -> Result<Option<f64>, StepError> {
         let (mut now, last) = (Rates::default(), &old.memory.rates);
-        let felt = felt(model, old, new);
-        now.take((old, &felt), new, dt);
+        now.take(old, new, dt);
+        if has_wetted(model, old) {
+            now.pressure.clear();
+        }
         let start = &flow_of(model)?.initial;
         let pairs = new.pressure.iter().zip(start);
         let change: Vec<f64> = pairs.map(|(new, start)| new - start).collect();
@@ -26,15 +29,15 @@ impl Rates {
         Ok(error)
     }
 
-    /// Takes those that led from `old`, with the pressures that its points felt (Pa), to `new`.
-    fn take(&mut self, (old, felt): (&State, &[f64]), new: &State, dt: f64) {
+    /// Takes those that led from `old` to `new`.
+    fn take(&mut self, old: &State, new: &State, dt: f64) {
         let set = |rates: &mut Vec<f64>, new: &[f64], old: &[f64]| {
             rates.clear();
             rates.extend(new.iter().zip(old).map(|(new, old)| (new - old) / dt));
         };
         self.dt = dt;
         set(&mut self.displacement, &new.displacement, &old.displacement);
-        set(&mut self.pressure, &new.pressure, felt);
+        set(&mut self.pressure, &new.pressure, &old.pressure);
     }
 
     /// Error of a backward Euler step with the rates `now`, Pa: half of Δt² p̈, whose p̈ is what the rates have
@@ -44,7 +47,7 @@ impl Rates {
     /// since the start, times the largest of it: a fracture is a small part of the volume, and an average over
     /// all of it would make little of what is wrong there.
     fn error(&self, now: &Rates, volume: &[f64], change: &[f64]) -> Option<f64> {
-        if self.pressure.is_empty() {
+        if self.pressure.is_empty() || now.pressure.is_empty() {
             return None;
         }
         let share = now.dt * now.dt / (now.dt + self.dt);
@@ -59,23 +62,18 @@ impl Rates {
     }
 }
 
-/// Pressure at the points of a state, Pa: where the crack has since taken them in, that which it had there. Its step
-/// from the pores to the crack is no error of the time.
-fn felt<const D: usize>(model: &Model<D>, old: &State, new: &State) -> Vec<f64> {
-    let mut felt = old.pressure.clone();
-    let (then, now) = (&old.coefficients, model.wet_points());
-    let Some(then) = then.as_ref().filter(|then| !then.donor.is_empty()) else {
-        return felt;
-    };
-    for (i, (before, after)) in then.donor.iter().zip(&now).enumerate() {
-        if *after as usize == i && before != after {
-            felt[i] = match old.pressure.get(*before as usize) {
-                Some(pressure) => *pressure,
-                None => new.pressure[i],
-            };
-        }
-    }
-    felt
+/// Whether a crack has taken in points since a state. The pressure in the crack, and in those points, then jumps by
+/// an amount that does not depend on the length of the step: no error of the time, and no step is short enough for it.
+fn has_wetted<const D: usize>(model: &Model<D>, old: &State) -> bool {
+    let before = old.coefficients.as_ref().map(|own| &own.donor);
+    let is_new = |(i, (before, now)): (usize, (&u32, &u32))| *now as usize == i && before != now;
+    before.is_some_and(|before| {
+        before
+            .iter()
+            .zip(&model.wet_points())
+            .enumerate()
+            .any(is_new)
+    })
 }
 
 #[cfg(test)]
@@ -95,10 +93,9 @@ mod tests {
     fn the_error_is_half_the_square_of_the_step_times_the_curvature() {
         let [mut last, mut now] = [Rates::default(), Rates::default()];
         let volume = [1.0, 3.0];
-        let pressure = |time| state(time).pressure;
-        last.take((&state(1.0), &pressure(1.0)), &state(1.5), 0.5);
+        last.take(&state(1.0), &state(1.5), 0.5);
         assert_eq!(Rates::default().error(&last, &volume, &[1.0; 2]), None);
-        now.take((&state(1.5), &pressure(1.5)), &state(1.75), 0.25);
+        now.take(&state(1.5), &state(1.75), 0.25);
         // Backward differences of a parabola: p̈ Δt²/2 = 6/2 · 0.25², at a quarter of the volume.
         let error = 3.0 * 0.25 * 0.25;
         for (change, expected) in [

@@ -11,7 +11,7 @@ use perifrac_solvers::norm2;
 use super::passes::{NEAR, PassMonitor};
 use super::{FractureFlowStep, StepStart, Trial};
 use crate::material::TangentKind;
-use crate::model::Model;
+use crate::model::{Model, Wetting};
 use crate::schemes::{State, StepError, StepReport, flow_of};
 
 /// Fluid out of balance, relative to what moves in the step, that counts as none.
@@ -46,6 +46,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut watch = PassMonitor::new(0.0);
         let mut tried = TangentKind::Secant;
         let mut before: Option<(Vec<f64>, Place<D>)> = None;
+        self.spreads = false;
         for pass in 0..=self.plan.iterations {
             let mut here = self.place(model, start, state)?;
             // The exact tangent may have led astray.
@@ -96,7 +97,11 @@ impl<const D: usize> FractureFlowStep<D> {
         if forces <= NEAR {
             let before = model.wet_points();
             let fields = (&state.displacement[..], &state.walls[..]);
-            model.follow_fractures(&at.response, fields, &start.state.pressure);
+            let wetting = Wetting {
+                before: &start.state.pressure,
+                spreads: std::mem::replace(&mut self.spreads, true),
+            };
+            model.follow_fractures(&at.response, fields, wetting);
             rewetted = before != model.wet_points();
             if rewetted {
                 at = self.evaluate(model, state)?;

@@ -31,7 +31,7 @@ use super::compliance::Compliance;
 use super::reuse::PreconditionerReuse;
 use super::tangent_policy::TangentPolicy;
 use super::tangents::TangentMatrix;
-use crate::model::Model;
+use crate::model::{Model, Wetting};
 use crate::operators::Response;
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::memory::Rates;
@@ -67,6 +67,8 @@ pub struct FractureFlowStep<const D: usize> {
     cut_above: f64,
     /// Whether passes move pressure and displacement together, and do not bring the one to the other.
     together: bool,
+    /// Whether passes of this step have brought fluid into cracks, which only spreads from then on.
+    spreads: bool,
     /// What fractures yield, where fields take turns.
     compliance: Compliance,
     /// Factor of that.
@@ -153,6 +155,7 @@ impl<const D: usize> FractureFlowStep<D> {
                 StepRule::Adaptive => damage.shortest_step,
             },
             together: together && model.has_crack_content(),
+            spreads: false,
             compliance: Compliance::default(),
             relaxation: plan.scheme_options.relaxation,
             demand: plan.fracture_demand(),
@@ -175,7 +178,8 @@ impl<const D: usize> FractureFlowStep<D> {
             .response(&state.view())
             .ok_or(StepError::Missing { part: "[damage]" })?;
         let fields = (&state.displacement[..], &state.walls[..]);
-        now.follow_fractures(&response, fields, &state.pressure);
+        let wetting = Wetting::at(&state.pressure);
+        now.follow_fractures(&response, fields, wetting);
         self.remember(&now, state);
         Ok(())
     }

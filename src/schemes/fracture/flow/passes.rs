@@ -6,7 +6,7 @@ use super::super::not_finite;
 use super::stored::{StepStart, stored_increment};
 use super::{FractureFlowStep, Trial};
 use crate::material::TangentKind;
-use crate::model::Model;
+use crate::model::{Model, Wetting};
 use crate::operators::Response;
 use crate::schemes::fracture::{Fracture, damage_of};
 use crate::schemes::stagnation::Stagnation;
@@ -323,7 +323,9 @@ impl<const D: usize> FractureFlowStep<D> {
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
             let fields = (&state.displacement[..], &state.walls[..]);
-            model.follow_fractures(&found.response, fields, &old.pressure);
+            let before = &old.pressure[..];
+            let spreads = pass > 0;
+            model.follow_fractures(&found.response, fields, Wetting { before, spreads });
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;
             }
