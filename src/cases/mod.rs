@@ -121,6 +121,11 @@ pub const CASES: &[Case] = &[
         "smoke"
     ),
     case!(
+        "kgd-leak-off",
+        "a crack in plane strain that loses half of its fluid to the rock, against Carter's leak-off",
+        "smoke"
+    ),
+    case!(
         "breakdown",
         "the pressure at which a pumped crack begins to run, and the in-situ stress across it",
         "smoke"

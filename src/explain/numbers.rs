@@ -11,6 +11,10 @@ use crate::plan::{
 /// Poisson's ratio above which the rock counts as nearly incompressible.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
+/// Depth of leak-off over the spacing below which a crack loses nothing that counts: with 1e-3 kgd-toughness keeps all but
+/// 1e-4 of its fluid.
+const UNNOTICED: f64 = 1e-3;
+
 /// Differences of horizons that are rounding error.
 const EQUAL: f64 = 1e-9;
 
@@ -49,6 +53,7 @@ pub(super) fn numbers(plan: &Plan, sample: &Sample) -> Vec<Number> {
     if let (Some(flow), TimeMode::Transient) = (&sample.flow, plan.time.mode) {
         numbers.extend(transient(plan, sample, flow));
         numbers.extend(sample.coupling.iter().flat_map(coupled));
+        numbers.extend(leak_off(plan, sample, flow));
     }
     numbers
 }
@@ -181,6 +186,21 @@ fn transient(plan: &Plan, sample: &Sample, flow: &FlowSample) -> [Number; 2] {
         number("Fourier", fourier, meaning),
         number("stiffness", stiffness, "end over the explicit step limit"),
     ]
+}
+
+/// How well leak-off from cracks of the split model is resolved, where the rock lets anything in.
+fn leak_off(plan: &Plan, sample: &Sample, flow: &FlowSample) -> Option<Number> {
+    let split = (plan.damage.as_ref()).is_some_and(|damage| damage.model == DamageModel::Split);
+    let consolidation = sample.coupling.as_ref()?.consolidation[1];
+    let depth = (consolidation.min(flow.diffusivity[1]) * plan.time.end).sqrt() / sample.spacing[0];
+    let resolves = split && plan.fracture_flow.is_some() && depth > UNNOTICED;
+    resolves.then(|| {
+        number(
+            "leak-off depth",
+            depth,
+            "√(D t)/Δx at the end with D = κ/(s + α²/(λ + 2μ)): what leaks out of cracks is 16 % too little at 0.7,              within 3 % from 1.4 on",
+        )
+    })
 }
 
 fn coupled(coupling: &CoupledSample) -> [Number; 4] {

@@ -81,6 +81,7 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("injection-rate/six", INJECTION),
     ("kgd-toughness", KGD),
     ("kgd-viscosity", KGD),
+    ("kgd-leak-off", KGD),
     ("breakdown", &["geometry.spacing=6.25 cm"]),
     ("inclined-injection", INCLINED),
     ("inclined-injection/turned", INCLINED),

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 25] = [
+const CASES: [&str; 26] = [
     "five-spot",
     "two-layer",
     "channel",
@@ -25,6 +25,7 @@ const CASES: [&str; 25] = [
     "injection-rate",
     "kgd-toughness",
     "kgd-viscosity",
+    "kgd-leak-off",
     "breakdown",
     "inclined-injection",
     "staged-injection",

@@ -5,6 +5,7 @@
 mod support;
 
 mod backends;
+mod carter;
 mod combinations;
 mod cracks;
 mod damage;
