@@ -10,6 +10,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::effects::{Opening, openings};
+use crate::geometry::Vector;
+use crate::material::eigen;
 use crate::operators::{BondConductance, BondForm, Elastic, Neighbourhood, Response};
 
 /// Where fluid is in what is broken.
@@ -88,10 +90,11 @@ impl<const D: usize> CrackFlow<D> {
         };
         let wetted = (0..wet.len()).filter(|i| wet[*i] && !self.is_wet(*i));
         let wetted = wetted.collect();
+        let axes = axes(elastic, response, &wet);
         let donor = |i: usize| match wet[i] {
             true => i as u32,
             false if spreads && self.donor[i] != DRY => self.donor[i],
-            false => continues(elastic, response, &wet, i),
+            false => continues(elastic, &axes, &wet, i),
         };
         self.donor = (0..wet.len()).into_par_iter().map(donor).collect();
         wetted
@@ -164,10 +167,42 @@ impl<const D: usize> CrackFlow<D> {
     }
 }
 
+/// Normal of the crack at wet points: the axis of n ⊗ n on average over what is broken in the family; zero elsewhere.
+///
+/// The planes of single points fan out from the tip, those at the edge of the band by some 45°: with them the fluid
+/// would find its way out of the band sidewards.
+fn axes<const D: usize>(
+    elastic: &Elastic<D>,
+    response: &Response<D>,
+    wet: &[bool],
+) -> Vec<Vector<D>> {
+    let around = &elastic.around;
+    let families = &around.families;
+    let broken = |j: usize| around.cloud.volume[j] * response.damage[j];
+    let axis = |i: usize| {
+        if !wet[i] {
+            return Vector::zeros();
+        }
+        let own = response.planes[i].normal;
+        let mut sum = own * own.transpose() * broken(i);
+        for bond in families.family(i) {
+            let j = families.neighbour(bond);
+            if wet[j] {
+                let image = families.images.get(families.image(bond));
+                let normal = image.reflect(&response.planes[j].normal);
+                sum += normal * normal.transpose() * broken(j);
+            }
+        }
+        let (values, vectors) = eigen(&sum);
+        vectors.column(values.imax()).into_owned()
+    };
+    (0..wet.len()).into_par_iter().map(axis).collect()
+}
+
 /// The nearest wet point whose crack leads on to a dry one, or [`DRY`].
 fn continues<const D: usize>(
     elastic: &Elastic<D>,
-    response: &Response<D>,
+    axes: &[Vector<D>],
     wet: &[bool],
     point: usize,
 ) -> u32 {
@@ -179,7 +214,7 @@ fn continues<const D: usize>(
             return None;
         }
         let image = families.images.get(families.image(bond));
-        let normal = image.reflect(&response.planes[end].normal);
+        let normal = image.reflect(&axes[end]);
         let arm = around.bond_vector(point, bond);
         let (length, off) = (arm.norm(), arm.dot(&normal).abs());
         (off <= ALONG * length).then_some((length, off, end as u32))
