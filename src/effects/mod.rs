@@ -7,6 +7,7 @@ mod cracks;
 mod flux;
 mod gravity;
 mod injection;
+mod moments;
 mod opening;
 mod own;
 mod side_area;

@@ -1,10 +1,12 @@
 //! Wells: point sources spread over a few cells (Eqs. 77 and 78).
 //!
-//! The kernel is renormalised so that the sum over the cloud and its mirror images is the full-plane
-//! rate exactly: raw sums are off by up to one per cent. A well on a corner of a mirrored domain
+//! The kernel is weighted so that the sum over the cloud and its mirror images is the full-plane rate exactly
+//! (raw sums are off by up to one per cent), and that its first moments, and the second ones without their
+//! trace, vanish (see [`weights`]). A well on a corner of a mirrored domain
 //! therefore feeds a quarter of its rate into it, on a side a half. Where a well's support reaches
 //! across a sealed plane it does not stand on, its mirror well feeds back what is lost.
 
+use super::moments::weights;
 use super::spread::{SourceDistribution, planes_of_symmetry};
 use super::{Context, Effect, EffectError, vector};
 use crate::geometry::Vector;
@@ -45,6 +47,17 @@ fn radius<const D: usize>(around: &Neighbourhood<D>, well: &WellPlan) -> f64 {
     well.radius.unwrap_or(equation)
 }
 
+/// A contribution to the rate of a well.
+struct Item<const D: usize> {
+    point: usize,
+    /// Kernel times volume.
+    base: f64,
+    /// From the well, or from the place where a mirror well sees it, in radii.
+    place: Vector<D>,
+    /// Whether it enters the domain: what mirrors in planes on which the well stands see does not.
+    enters: bool,
+}
+
 /// Spreads one well over the points within its radius.
 fn spread<const D: usize>(
     context: &Context<'_, D>,
@@ -53,23 +66,39 @@ fn spread<const D: usize>(
 ) -> Result<SourceDistribution, EffectError> {
     let cloud = &context.operator.neighbourhood().cloud;
     let images = well_images(context, &vector(&well.at), radius);
-    let mut share = Vec::new();
+    let mut items = Vec::new();
     for (point, x) in cloud.position.iter().enumerate() {
-        let weight: f64 = images
-            .places
-            .iter()
-            .map(|well| kernel((x - well).norm(), radius))
-            .sum();
-        if weight > 0.0 {
-            share.push((point as u32, weight * cloud.volume[point]));
+        for image in &images {
+            let arm = x - image.place;
+            let base = kernel(arm.norm(), radius) * cloud.volume[point];
+            if base > 0.0 {
+                items.push(Item {
+                    point,
+                    base,
+                    place: arm.component_mul(&image.signs) / radius,
+                    enters: image.feeds,
+                });
+            }
         }
     }
-    let sum: f64 = share.iter().map(|(_, s)| s).sum();
-    if share.is_empty() || sum <= 0.0 {
+    if items.is_empty() {
         let (name, at) = (well.name.clone(), well.at.clone());
         return Err(EffectError::EmptyWell { name, at, radius });
     }
-    let inside = images.inside;
+    let base: Vec<f64> = items.iter().map(|item| item.base).collect();
+    let places: Vec<Vector<D>> = items.iter().map(|item| item.place).collect();
+    let mut share: Vec<(u32, f64)> = Vec::new();
+    for (item, weight) in items.iter().zip(weights(&base, &places)) {
+        let point = item.point as u32;
+        match share.last_mut() {
+            _ if !item.enters => {}
+            Some((last, sum)) if *last == point => *sum += weight,
+            _ => share.push((point, weight)),
+        }
+    }
+    // Exactly what enters, whatever rounding does to the sum.
+    let inside = standing(context, &vector(&well.at));
+    let sum: f64 = share.iter().map(|(_, s)| s).sum();
     share.iter_mut().for_each(|(_, s)| *s *= inside / sum);
     Ok(SourceDistribution {
         name: "wells",
@@ -88,36 +117,49 @@ fn kernel(distance: f64, radius: f64) -> f64 {
     }
 }
 
-struct WellImages<const D: usize> {
-    /// The well and its distinct mirror wells within reach.
-    places: Vec<Vector<D>>,
-    /// Share of the rate that enters the domain.
-    inside: f64,
+/// A well, or its mirror image.
+struct WellImage<const D: usize> {
+    place: Vector<D>,
+    /// −1 along the axes in which it is mirrored.
+    signs: Vector<D>,
+    /// Whether what it feeds counts: a mirror image in a plane on which the well stands is the well itself.
+    feeds: bool,
 }
 
-/// Mirror wells behind sealed planes; on each plane the well stands on it loses half.
+/// Share of the rate of a well that enters the domain: on each plane of symmetry it stands on it loses half.
+fn standing<const D: usize>(context: &Context<'_, D>, at: &Vector<D>) -> f64 {
+    let planes = planes_of_symmetry(context, at);
+    let on = planes.iter().filter(|(_, gap)| *gap <= 0.0).count();
+    0.5_f64.powi(on as i32)
+}
+
+/// The well and its mirror wells behind sealed planes within reach.
 fn well_images<const D: usize>(
     context: &Context<'_, D>,
     at: &Vector<D>,
     radius: f64,
-) -> WellImages<D> {
+) -> Vec<WellImage<D>> {
     let domain = &context.operator.neighbourhood().cloud.domain;
-    let mut images = WellImages {
-        places: vec![*at],
-        inside: 1.0,
-    };
-    for (side, gap) in planes_of_symmetry(context, at) {
-        if gap <= 0.0 {
-            images.inside *= 0.5;
-        } else if gap < radius {
-            let mirror = |place: &Vector<D>| {
-                let mut mirrored = *place;
-                mirrored[side.axis] = 2.0 * domain.plane(side) - place[side.axis];
-                mirrored
-            };
-            let mirrored: Vec<Vector<D>> = images.places.iter().map(mirror).collect();
-            images.places.extend(mirrored);
-        }
+    let mut images = vec![WellImage {
+        place: *at,
+        signs: Vector::repeat(1.0),
+        feeds: true,
+    }];
+    let planes = planes_of_symmetry(context, at);
+    for (side, gap) in planes.into_iter().filter(|(_, gap)| *gap < radius) {
+        let mirror = |image: &WellImage<D>| {
+            let (mut place, mut signs) = (image.place, image.signs);
+            place[side.axis] = 2.0 * domain.plane(side) - place[side.axis];
+            signs[side.axis] = -signs[side.axis];
+            let feeds = image.feeds && gap > 0.0;
+            WellImage {
+                place,
+                signs,
+                feeds,
+            }
+        };
+        let mirrored: Vec<WellImage<D>> = images.iter().map(mirror).collect();
+        images.extend(mirrored);
     }
     images
 }

@@ -31,3 +31,4 @@ mod toughness;
 mod two_layer;
 mod uniform_flow;
 mod voids;
+mod wells;
