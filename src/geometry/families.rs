@@ -246,7 +246,11 @@ impl<const D: usize> Families<D> {
         })
     }
 
-    fn retain(&self, mut keep: impl FnMut(usize, usize) -> bool) -> Result<Self, GeometryError> {
+    /// The same families without the bonds (owner, bond) for which `keep` is false; it is asked in order.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn retain(&self, mut keep: impl FnMut(usize, usize) -> bool) -> Result<Self, GeometryError> {
         let mut counts = Vec::with_capacity(self.len());
         let mut bonds = Vec::with_capacity(self.bonds());
         for point in 0..self.len() {
