@@ -5,11 +5,14 @@ use std::sync::Arc;
 use crate::assembly::{
     Consistency, Planes, ScalarOperator, consistent_gradient, uniform_flow_error,
 };
-use crate::geometry::Cloud;
-use crate::operators::{BondConductance, Correspondence, Neighbourhood};
-use crate::plan::FlowPlan;
+use crate::geometry::{Cloud, Families, Side};
+use crate::operators::{
+    BondConductance, Correspondence, MirrorContinuation, Neighbourhood, Parity, Path,
+};
+use crate::plan::{FlowPlan, Plan};
 
 use super::ModelError;
+use super::operator_choice::Form;
 
 /// Share of a family's weights beyond which its correction is not trusted.
 const TRUSTED: f64 = 0.5;
@@ -71,11 +74,53 @@ pub(super) fn judge_plain<const D: usize>(
     Ok(())
 }
 
+/// An operator, and what its divergence-consistent gradient achieved if it has one.
+pub(super) type Built<const D: usize> = (Arc<dyn ScalarOperator<D>>, Option<Consistency>);
+
+/// Builds the chosen operator over families that reach as far as it needs.
+///
+/// # Errors
+/// [`ModelError`] where it does not go with the cloud.
+pub(super) fn operator<const D: usize>(
+    plan: &Plan,
+    flow: &FlowPlan,
+    form: Form,
+    (cloud, families): (&Arc<Cloud<D>>, Families<D>),
+    extension: &MirrorContinuation<D>,
+    warnings: &mut Vec<String>,
+) -> Result<Built<D>, ModelError> {
+    let keeps = |image| extension.keeps(image);
+    if let Form::Path(cells) = form {
+        if !plan.geometry.tells_volumes() {
+            return Err(ModelError::PathWithoutVolumes);
+        }
+        // What strain squeezes out of a cell has the volume of mechanics.
+        let own_volume = plan.coupling.is_none();
+        let path = Path::new(cloud, &families, cells, own_volume, plan.influence, keeps)?;
+        return Ok((Arc::new(path), None));
+    }
+    let one_sided: Vec<bool> = Side::all(D)
+        .map(|side| extension.parity(side) == Parity::OneSided)
+        .collect();
+    let families = match one_sided.iter().any(|&o| o) {
+        true => families.retain_images(keeps)?,
+        false => families,
+    };
+    let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
+    let around = Arc::new(around);
+    let mut consistency = None;
+    let operator = match form {
+        Form::Bond => bond_operator(&around, &one_sided, warnings)?,
+        _ => correspondence(flow, &around, &one_sided, &mut consistency, warnings)?,
+    };
+    Ok((operator.into(), consistency))
+}
+
 /// Builds the bond operator over the families of `around`.
 ///
 /// # Errors
 /// [`ModelError::InconsistentBonds`] where a uniform flow would be far off.
-pub(super) fn bond_operator<const D: usize>(
+fn bond_operator<const D: usize>(
     around: &Arc<Neighbourhood<D>>,
     one_sided: &[bool],
     warnings: &mut Vec<String>,
@@ -111,7 +156,7 @@ pub(super) fn bond_operator<const D: usize>(
 ///
 /// # Errors
 /// [`ModelError::Consistency`] if the gradient cannot be corrected.
-pub(super) fn correspondence<const D: usize>(
+fn correspondence<const D: usize>(
     flow: &FlowPlan,
     around: &Arc<Neighbourhood<D>>,
     one_sided: &[bool],

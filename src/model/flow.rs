@@ -10,15 +10,15 @@ use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, BoundaryPlane};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Side, Subdomain, Term, Vector};
-use crate::operators::{MirrorContinuation, Neighbourhood, Parity};
+use crate::operators::{MirrorContinuation, Parity, Path};
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::{Flows, Timers};
 
 use super::bands::Bands;
-use super::diffusion::{bond_operator, correspondence};
+use super::diffusion::operator;
 use super::fixed::{FixedPressure, fixed_points};
-use super::operator_choice::ChosenOperator;
+use super::operator_choice::{ChosenOperator, Form};
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
 use super::{Coupling, ModelError};
@@ -53,6 +53,8 @@ pub struct FlowModel<const D: usize> {
     pub initial: Vec<f64>,
     /// Sides of prescribed pressure.
     pub walls: Vec<BoundaryPlane>,
+    /// Prescribed flux into the domain per side, m/s.
+    pub(super) fluxes: Vec<Option<Load>>,
     /// Where the time of the run goes.
     pub timers: Timers,
     column: Option<Column<D>>,
@@ -70,23 +72,23 @@ impl<const D: usize> FlowModel<D> {
         (points, bands): (&Properties, &Bands),
         warnings: &mut Vec<String>,
     ) -> Result<Self, ModelError> {
-        let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
-        let one_sided: Vec<bool> = parity.iter().map(|p| *p == Parity::OneSided).collect();
-        let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
-        let extension = MirrorContinuation::new(&families.images, &parity, &planes);
-        let families = match one_sided.iter().any(|&o| o) {
-            true => families.retain_images(|image| extension.keeps(image))?,
-            false => families,
-        };
-        let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
-        let around = Arc::new(around);
-        let mut consistency = None;
         let chosen = ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular);
         warnings.extend(chosen.doubt);
-        let operator = match chosen.bond {
-            true => bond_operator(&around, &one_sided, warnings)?,
-            false => correspondence(flow, &around, &one_sided, &mut consistency, warnings)?,
+        let families = match chosen.form {
+            Form::Path(cells) => Path::reaching(cloud, families, cells)?,
+            Form::Bond | Form::Correspondence => families,
         };
+        let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
+        let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
+        let extension = MirrorContinuation::new(&families.images, &parity, &planes);
+        let (operator, consistency) = operator(
+            plan,
+            flow,
+            chosen.form,
+            (cloud, families),
+            &extension,
+            warnings,
+        )?;
         let mobility = points
             .permeability
             .iter()
@@ -103,9 +105,10 @@ impl<const D: usize> FlowModel<D> {
             capacity: points
                 .storage
                 .iter()
-                .zip(&cloud.volume)
+                .zip(&operator.neighbourhood().cloud.volume)
                 .map(|(s, v)| s * v)
                 .collect(),
+            fluxes: flow.sides.iter().map(flux).collect(),
             initial: initial.collect(),
             walls: Vec::new(),
             refill_plan: Arc::default(),
@@ -116,7 +119,7 @@ impl<const D: usize> FlowModel<D> {
             conductance: Vec::new(),
             stabilisation: Vec::new(),
             effects: Arc::default(),
-            operator: operator.into(),
+            operator,
             extension,
             mobility,
             fixed,
@@ -465,6 +468,13 @@ impl<const D: usize> FlowModel<D> {
             ),
             ("effects", effects + walls),
         ]
+    }
+}
+
+fn flux(side: &SideCondition) -> Option<Load> {
+    match side {
+        SideCondition::Flux(flux) => Some(flux.clone()),
+        _ => None,
     }
 }
 

@@ -40,7 +40,7 @@ pub use error::ModelError;
 pub use fixed::FixedPressure;
 pub use flow::{FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
-pub use operator_choice::ChosenOperator;
+pub use operator_choice::{ChosenOperator, Form};
 pub use places::{Faces, Places};
 pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};

@@ -60,6 +60,7 @@ const WORDS: [(Feature, &str); 15] = [
         Feature::Wells,
         "wells.w={at = [0.4, 0.4], rate = \"1e-9 m^2/s\"}",
     ),
+    (Feature::PathOperator, "flow.operator=path"),
     (Feature::Gravity, "gravity.acceleration=[0, -9.81]"),
     (
         Feature::Mechanics,

@@ -97,7 +97,7 @@ impl<const D: usize> Path<D> {
     /// the volumes of their cells.
     ///
     /// # Errors
-    /// As [`Neighbourhood::new`].
+    /// As [`Families::search`].
     pub fn new(
         cloud: &Arc<Cloud<D>>,
         families: &Families<D>,
@@ -130,7 +130,7 @@ impl<const D: usize> Path<D> {
             false => cloud.clone(),
             true => Arc::new(with_volumes(cloud, families, &found)),
         };
-        let around = Arc::new(Neighbourhood::new(cloud, Arc::new(kept), influence)?);
+        let around = Arc::new(Neighbourhood::of_cells(cloud, Arc::new(kept), influence));
         if share.iter().all(|share| (share - 0.5).abs() < 1e-12) {
             share.clear();
         }
