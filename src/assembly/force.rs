@@ -20,7 +20,10 @@ pub fn bond_force<const D: usize, F: BondForm<D>>(
     forces.clear();
     forces.resize(family.len(), 0.0);
     form.conductances(owner, mobility, forces);
-    forces.iter_mut().zip(differences).for_each(|(f, d)| *f *= d);
+    forces
+        .iter_mut()
+        .zip(differences)
+        .for_each(|(f, d)| *f *= d);
     for term in form.coupling(owner, mobility).into_iter().flatten() {
         let sum: crate::geometry::Vector<D> = term
             .weight

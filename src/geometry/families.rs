@@ -250,7 +250,10 @@ impl<const D: usize> Families<D> {
     ///
     /// # Errors
     /// As [`Families::search`].
-    pub fn retain(&self, mut keep: impl FnMut(usize, usize) -> bool) -> Result<Self, GeometryError> {
+    pub fn retain(
+        &self,
+        mut keep: impl FnMut(usize, usize) -> bool,
+    ) -> Result<Self, GeometryError> {
         let mut counts = Vec::with_capacity(self.len());
         let mut bonds = Vec::with_capacity(self.bonds());
         for point in 0..self.len() {

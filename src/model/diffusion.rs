@@ -12,6 +12,7 @@ use crate::operators::{
 use crate::plan::{FlowPlan, Plan};
 
 use super::ModelError;
+use super::interfaces::Interfaces;
 use super::operator_choice::Form;
 
 /// Share of a family's weights beyond which its correction is not trusted.
@@ -85,7 +86,7 @@ pub(super) fn operator<const D: usize>(
     plan: &Plan,
     flow: &FlowPlan,
     form: Form,
-    (cloud, families): (&Arc<Cloud<D>>, Families<D>),
+    (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
     extension: &MirrorContinuation<D>,
     warnings: &mut Vec<String>,
 ) -> Result<Built<D>, ModelError> {
@@ -96,7 +97,15 @@ pub(super) fn operator<const D: usize>(
         }
         // What strain squeezes out of a cell has the volume of mechanics.
         let own_volume = plan.coupling.is_none();
-        let path = Path::new(cloud, &families, cells, own_volume, plan.influence, keeps)?;
+        let interfaces = Interfaces {
+            plan,
+            cloud,
+            families: &families,
+            material,
+        };
+        let share = |owner, bond| interfaces.share(owner, bond);
+        let influence = plan.influence;
+        let path = Path::new(cloud, &families, cells, own_volume, influence, keeps, share)?;
         return Ok((Arc::new(path), None));
     }
     let one_sided: Vec<bool> = Side::all(D)

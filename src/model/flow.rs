@@ -85,7 +85,7 @@ impl<const D: usize> FlowModel<D> {
             plan,
             flow,
             chosen.form,
-            (cloud, families),
+            (cloud, &points.material, families),
             &extension,
             warnings,
         )?;

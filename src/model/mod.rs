@@ -16,6 +16,7 @@ mod fixed;
 mod flow;
 mod fracture_flow;
 mod in_situ;
+mod interfaces;
 mod level;
 mod operator_choice;
 mod places;

@@ -122,7 +122,8 @@ fn doubt(form: Form, contrast: f64, plan: &Plan) -> Option<String> {
     let wrong = match form {
         Form::Path(_) => return None,
         Form::Bond => {
-            "the bond operator jumps over what lies between the ends of a bond: channels narrower than a              few horizons carry too little, by 60 % where one cell wide, and barriers thinner than a              horizon leak"
+            "the bond operator jumps over what lies between the ends of a bond: channels of a few cells \
+             carry too little, by 60 % where one cell wide, and barriers thinner than a horizon leak"
         }
         Form::Correspondence => {
             "the correspondence operator takes about the arithmetic mean where permeabilities meet: flow \
@@ -135,7 +136,8 @@ fn doubt(form: Form, contrast: f64, plan: &Plan) -> Option<String> {
         (Form::Correspondence, true) => "; use flow.operator = \"bond\"",
         (_, true) => "",
     };
-    let doubt = || format!("{wrong}, and here they differ by a factor of {contrast:.1e}{remedy}");
+    let doubt =
+        || format!("{wrong}, and here permeabilities differ by a factor of {contrast:.1e}{remedy}");
     (contrast > MILD[0]).then(doubt)
 }
 

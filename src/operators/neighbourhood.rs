@@ -37,7 +37,8 @@ impl<const D: usize> Neighbourhood<D> {
     ) -> Result<Self, GeometryError> {
         let around = Self::of_cells(cloud, families, influence);
         let missing = |owner: &usize| {
-            around.families.share.holds(*owner) && around.inverse_shape[*owner] == Matrix::<D>::zeros()
+            around.families.share.holds(*owner)
+                && around.inverse_shape[*owner] == Matrix::<D>::zeros()
         };
         match (0..around.len()).find(missing) {
             None => Ok(around),

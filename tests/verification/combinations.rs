@@ -54,7 +54,7 @@ const TRIPLES: u64 = 400;
 const SEED: u64 = 7;
 
 /// What a scene says to ask for a feature, where that depends on no other.
-const WORDS: [(Feature, &str); 15] = [
+const WORDS: [(Feature, &str); 16] = [
     (Feature::HydrostaticStart, "flow.hydrostatic_start=true"),
     (
         Feature::Wells,

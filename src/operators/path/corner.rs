@@ -39,7 +39,8 @@ impl Corners {
         corners.offset.push(0);
         for owner in 0..around.len() {
             let family = around.families.family(owner);
-            let place = |wanted: [i8; D]| steps[family.clone()].iter().position(|own| *own == wanted);
+            let place =
+                |wanted: [i8; D]| steps[family.clone()].iter().position(|own| *own == wanted);
             for axis in 0..D {
                 for other in axis + 1..D {
                     for signs in [[-1, -1], [1, -1], [-1, 1], [1, 1]] {
@@ -54,7 +55,9 @@ impl Corners {
                                 .push([across, first, second].map(|place| place as u8)),
                             (across, faces) => {
                                 let whole = edges.map_or(0.0, |edges| 0.5 * edges[axis][other]);
-                                across.iter().for_each(|k| geometric[family.start + k] = 0.0);
+                                across
+                                    .iter()
+                                    .for_each(|k| geometric[family.start + k] = 0.0);
                                 let faces = faces.iter().flatten();
                                 faces.for_each(|k| geometric[family.start + k] += whole);
                             }
@@ -85,12 +88,15 @@ impl Corners {
         };
         for &group in &self.bonds[offsets[0] as usize..offsets[1] as usize] {
             let group = group.map(usize::from);
-            let (low, high) = group.iter().map(|place| end(*place)).fold(
-                (own, own),
-                |(low, high), mobility| (low.min(mobility), high.max(mobility)),
-            );
-            let moved = conductances[group[0]] * (1.0 - alike(low, high));
-            conductances[group[0]] -= moved;
+            let (low, high) = group
+                .iter()
+                .map(|place| end(*place))
+                .fold((own, own), |(low, high), mobility| {
+                    (low.min(mobility), high.max(mobility))
+                });
+            let whole = conductances[group[0]];
+            conductances[group[0]] = whole * alike(low, high);
+            let moved = whole - conductances[group[0]];
             conductances[group[1]] += moved;
             conductances[group[2]] += moved;
         }

@@ -31,7 +31,7 @@ pub struct Path<const D: usize> {
     geometric: Vec<f64>,
     /// From the owner to the middle of the face, m, shape `(bonds,)`.
     arm: Vec<Vector<D>>,
-    /// Part of the bond in the owner's cell, shape `(bonds,)`; empty where it is always one half.
+    /// Part of the bond in the owner's cell or material, shape `(bonds,)`; empty where it is always one half.
     share: Vec<f64>,
     corners: Corners,
     open: Vec<OpenFace<D>>,
@@ -94,7 +94,8 @@ impl<const D: usize> Path<D> {
 
     /// Makes the operator on `families` (from [`Path::reaching`]), of which it keeps the bonds between
     /// cells that touch, and none to images for which `keeps` is false. With `own_volume` the points get
-    /// the volumes of their cells.
+    /// the volumes of their cells. `own_share` tells the part of a bond (owner, bond) in the material of its
+    /// owner where that does not end at the face.
     ///
     /// # Errors
     /// As [`Families::search`].
@@ -105,6 +106,7 @@ impl<const D: usize> Path<D> {
         own_volume: bool,
         influence: Influence,
         keeps: impl Fn(u8) -> bool,
+        own_share: impl Fn(usize, usize) -> Option<f64>,
     ) -> Result<Self, GeometryError> {
         let found = all_cells(cloud, families, cells);
         let (mut geometric, mut arm, mut share) = (Vec::new(), Vec::new(), Vec::new());
@@ -122,7 +124,7 @@ impl<const D: usize> Path<D> {
             }
             geometric.push(0.5 * face.conductance);
             arm.push(face.arm);
-            share.push(face.share);
+            share.push(own_share(owner, bond).unwrap_or(face.share));
             steps.push(face.steps);
             true
         })?;

@@ -34,7 +34,12 @@ pub(super) fn cell<const D: usize>(cloud: &Cloud<D>, owner: usize, arms: &[Arm<D
         false => edges * REACH,
     }; 2];
     let mut order: Vec<usize> = (0..arms.len()).collect();
-    order.sort_by(|&a, &b| arms[a].1.norm_squared().total_cmp(&arms[b].1.norm_squared()));
+    order.sort_by(|&a, &b| {
+        arms[a]
+            .1
+            .norm_squared()
+            .total_cmp(&arms[b].1.norm_squared())
+    });
     let mut facets = clipped(&half, arms, &order);
     if !closed {
         // What is left of the box lies towards a void: there the cell has no more than its half edge.
@@ -126,12 +131,7 @@ fn whole<const D: usize>(half: &[Vector<D>; 2]) -> Vec<Facet<D>> {
 }
 
 /// Keeps what lies below `distance` along `normal`; the cut becomes a facet of `bond`.
-fn cut<const D: usize>(
-    facets: &mut Vec<Facet<D>>,
-    bond: usize,
-    normal: &Vector<D>,
-    distance: f64,
-) {
+fn cut<const D: usize>(facets: &mut Vec<Facet<D>>, bond: usize, normal: &Vector<D>, distance: f64) {
     let slack = ROUNDING * distance;
     let above = |corner: &Vector<D>| corner.dot(normal) - distance;
     let corners = facets.iter().flat_map(|facet| &facet.corners);
@@ -197,7 +197,10 @@ fn summed<const D: usize>(facets: &[Facet<D>], arms: &[Arm<D>], edge: f64) -> Ce
     for facet in facets {
         let (area, middle) = facet.measure();
         cell.volume += area * facet.distance / D as f64;
-        if let Some(bond) = facet.bond.filter(|_| area > ROUNDING * edge.powi(D as i32 - 1)) {
+        if let Some(bond) = facet
+            .bond
+            .filter(|_| area > ROUNDING * edge.powi(D as i32 - 1))
+        {
             cell.faces.push(CellFace {
                 bond,
                 conductance: area / arms[bond].1.norm(),

@@ -58,9 +58,7 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         Feature::Flow
         | Feature::HydrostaticStart
         | Feature::HydrostaticSide
-        | Feature::PathOperator => {
-            part(&scene.flow, |flow| of_flow(flow, feature))
-        }
+        | Feature::PathOperator => part(&scene.flow, |flow| of_flow(flow, feature)),
         Feature::UndrainedStart => section(&scene.coupling),
         Feature::Stabilisation => part(&scene.coupling, |own| vec![own.stabilisation.span()]),
         Feature::CutCrack | Feature::DamagedCrack | Feature::CrackPressure | Feature::Injection => {
