@@ -7,9 +7,10 @@ use crate::assembly::{
 };
 use crate::geometry::{Cloud, Families, Side};
 use crate::operators::{
-    BondConductance, Correspondence, MirrorContinuation, Neighbourhood, Parity, Path,
+    BondConductance, Cells, Correspondence, MirrorContinuation, Neighbourhood, Parity, Path,
+    Tessellation,
 };
-use crate::plan::{FlowPlan, Plan};
+use crate::plan::{FlowPlan, Plan, SideCondition};
 
 use super::ModelError;
 use super::interfaces::Interfaces;
@@ -75,10 +76,17 @@ pub(super) fn judge_plain<const D: usize>(
     Ok(())
 }
 
-/// An operator, and what its divergence-consistent gradient achieved if it has one.
-pub(super) type Built<const D: usize> = (Arc<dyn ScalarOperator<D>>, Option<Consistency>);
+/// An operator, and what goes with it.
+pub(super) struct Built<const D: usize> {
+    /// The operator.
+    pub(super) operator: Arc<dyn ScalarOperator<D>>,
+    /// Continuation of the pressure across the sides.
+    pub(super) extension: MirrorContinuation<D>,
+    /// What the divergence-consistent gradient achieved, if there is one.
+    pub(super) consistency: Option<Consistency>,
+}
 
-/// Builds the chosen operator over families that reach as far as it needs.
+/// Builds the chosen operator.
 ///
 /// # Errors
 /// [`ModelError`] where it does not go with the cloud.
@@ -87,32 +95,17 @@ pub(super) fn operator<const D: usize>(
     flow: &FlowPlan,
     form: Form,
     (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
-    extension: &MirrorContinuation<D>,
     warnings: &mut Vec<String>,
 ) -> Result<Built<D>, ModelError> {
-    let keeps = |image| extension.keeps(image);
     if let Form::Path(cells) = form {
-        if !plan.geometry.tells_volumes() {
-            return Err(ModelError::PathWithoutVolumes);
-        }
-        // What strain squeezes out of a cell has the volume of mechanics.
-        let own_volume = plan.coupling.is_none();
-        let interfaces = Interfaces {
-            plan,
-            cloud,
-            families: &families,
-            material,
-        };
-        let share = |owner, bond| interfaces.share(owner, bond);
-        let influence = plan.influence;
-        let path = Path::new(cloud, &families, cells, own_volume, influence, keeps, share)?;
-        return Ok((Arc::new(path), None));
+        return path(plan, flow, cells, (cloud, material, families));
     }
+    let extension = continuation(flow, cloud, &families);
     let one_sided: Vec<bool> = Side::all(D)
         .map(|side| extension.parity(side) == Parity::OneSided)
         .collect();
     let families = match one_sided.iter().any(|&o| o) {
-        true => families.retain_images(keeps)?,
+        true => families.retain_images(|image| extension.keeps(image))?,
         false => families,
     };
     let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
@@ -122,7 +115,65 @@ pub(super) fn operator<const D: usize>(
         Form::Bond => bond_operator(&around, &one_sided, warnings)?,
         _ => correspondence(flow, &around, &one_sided, &mut consistency, warnings)?,
     };
-    Ok((operator.into(), consistency))
+    Ok(Built {
+        operator: operator.into(),
+        extension,
+        consistency,
+    })
+}
+
+/// How the pressure goes on across the sides.
+fn continuation<const D: usize>(
+    flow: &FlowPlan,
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+) -> MirrorContinuation<D> {
+    let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
+    let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
+    MirrorContinuation::new(&families.images, &parity, &planes)
+}
+
+fn parity(side: &SideCondition) -> Parity {
+    match side {
+        SideCondition::Sealed => Parity::Even,
+        SideCondition::Pressure { .. } => Parity::Odd,
+        SideCondition::Flux(_) => Parity::OneSided,
+    }
+}
+
+/// Builds the path operator between the cells of a cloud.
+fn path<const D: usize>(
+    plan: &Plan,
+    flow: &FlowPlan,
+    cells: Cells,
+    (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
+) -> Result<Built<D>, ModelError> {
+    if !plan.geometry.tells_volumes() {
+        return Err(ModelError::PathWithoutVolumes);
+    }
+    let found = Tessellation::new(cloud, families, cells)?;
+    let extension = continuation(flow, cloud, &found.families);
+    let interfaces = Interfaces {
+        plan,
+        cloud,
+        families: &found.families,
+        material,
+    };
+    // What strain squeezes out of a cell has the volume of mechanics.
+    let own_volume = plan.coupling.is_none();
+    let operator = Path::new(
+        cloud,
+        &found,
+        own_volume,
+        plan.influence,
+        |image| extension.keeps(image),
+        |owner, bond| interfaces.share(owner, bond),
+    )?;
+    Ok(Built {
+        operator: Arc::new(operator),
+        extension,
+        consistency: None,
+    })
 }
 
 /// Builds the bond operator over the families of `around`.

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, BoundaryPlane};
 use crate::effects::{self, Column, Context, Counted};
-use crate::geometry::{Cloud, Families, Side, Subdomain, Term, Vector};
-use crate::operators::{MirrorContinuation, Parity, Path};
+use crate::geometry::{Cloud, Families, Subdomain, Term, Vector};
+use crate::operators::MirrorContinuation;
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::{Flows, Timers};
@@ -18,7 +18,7 @@ use crate::report::{Flows, Timers};
 use super::bands::Bands;
 use super::diffusion::operator;
 use super::fixed::{FixedPressure, fixed_points};
-use super::operator_choice::{ChosenOperator, Form};
+use super::operator_choice::ChosenOperator;
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
 use super::{Coupling, ModelError};
@@ -74,21 +74,8 @@ impl<const D: usize> FlowModel<D> {
     ) -> Result<Self, ModelError> {
         let chosen = ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular);
         warnings.extend(chosen.doubt);
-        let families = match chosen.form {
-            Form::Path(cells) => Path::reaching(cloud, families, cells)?,
-            Form::Bond | Form::Correspondence => families,
-        };
-        let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
-        let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
-        let extension = MirrorContinuation::new(&families.images, &parity, &planes);
-        let (operator, consistency) = operator(
-            plan,
-            flow,
-            chosen.form,
-            (cloud, &points.material, families),
-            &extension,
-            warnings,
-        )?;
+        let points_and_families = (cloud, &*points.material, families);
+        let built = operator(plan, flow, chosen.form, points_and_families, warnings)?;
         let mobility = points
             .permeability
             .iter()
@@ -105,7 +92,7 @@ impl<const D: usize> FlowModel<D> {
             capacity: points
                 .storage
                 .iter()
-                .zip(&operator.neighbourhood().cloud.volume)
+                .zip(&built.operator.neighbourhood().cloud.volume)
                 .map(|(s, v)| s * v)
                 .collect(),
             fluxes: flow.sides.iter().map(flux).collect(),
@@ -119,13 +106,13 @@ impl<const D: usize> FlowModel<D> {
             conductance: Vec::new(),
             stabilisation: Vec::new(),
             effects: Arc::default(),
-            operator,
-            extension,
+            operator: built.operator,
+            extension: built.extension,
             mobility,
             fixed,
             fixed_loads,
             refills: Arc::default(),
-            consistency,
+            consistency: built.consistency,
             timers: Timers::default(),
             column,
         })
@@ -475,14 +462,6 @@ fn flux(side: &SideCondition) -> Option<Load> {
     match side {
         SideCondition::Flux(flux) => Some(flux.clone()),
         _ => None,
-    }
-}
-
-fn parity(side: &SideCondition) -> Parity {
-    match side {
-        SideCondition::Sealed => Parity::Even,
-        SideCondition::Pressure { .. } => Parity::Odd,
-        SideCondition::Flux(_) => Parity::OneSided,
     }
 }
 

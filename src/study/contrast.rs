@@ -212,8 +212,8 @@ impl Layered {
             _ => Err(StudyError::Unsuited {
                 study: "the contrast study",
                 case: subject.plan.case.clone(),
-                reason: "it needs exactly two materials with one permeability each; two-layer and \
-                         channel are such cases"
+                reason: "it needs exactly two materials with one permeability each; two-layer, \
+                         channel and barrier are such cases"
                     .to_owned(),
             }),
         }

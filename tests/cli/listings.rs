@@ -4,10 +4,11 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 25] = [
+const CASES: [&str; 26] = [
     "five-spot",
     "two-layer",
     "channel",
+    "barrier",
     "heterogeneous",
     "reservoir-3d",
     "theis",

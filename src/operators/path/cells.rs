@@ -36,7 +36,7 @@ pub struct CellFace<const D: usize> {
 }
 
 /// The cell of one point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Cell<const D: usize> {
     /// Its faces, in the order of the family.
     pub faces: Vec<CellFace<D>>,

@@ -8,15 +8,15 @@
 
 mod cells;
 mod corner;
+mod tessellation;
 mod voronoi;
 
-pub use cells::{Arm, Cell, CellFace, Cells, cell_faces};
+use cells::CellFace;
+pub use cells::{Arm, Cells, cell_faces};
+pub use tessellation::Tessellation;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use self::cells::grid_reach;
 use self::corner::Corners;
 use super::bond_conductance::harmonic;
 use super::{BondForm, Neighbourhood, OpenFace};
@@ -37,84 +37,32 @@ pub struct Path<const D: usize> {
     open: Vec<OpenFace<D>>,
 }
 
-/// The cell of every point that is known here; those of others are empty.
-fn all_cells<const D: usize>(
-    cloud: &Cloud<D>,
-    families: &Families<D>,
-    cells: Cells,
-) -> Vec<Cell<D>> {
-    let cell = |owner: usize| {
-        let family = families.family(owner);
-        let arm = |bond| {
-            let end = families.neighbour(bond);
-            (end, families.bond_vector(cloud, owner, bond))
-        };
-        let arms: Vec<Arm<D>> = family.map(arm).collect();
-        match families.share.holds(owner) {
-            true => cell_faces(cloud, cells, owner, &arms),
-            false => Cell {
-                faces: Vec::new(),
-                volume: 0.0,
-                reach: 0.0,
-            },
-        }
-    };
-    (0..families.len()).into_par_iter().map(cell).collect()
-}
-
 impl<const D: usize> Path<D> {
-    /// Families that hold every face of every cell: those given if they do, else wider ones.
+    /// Makes the operator on the bonds between cells that touch, without those to images for which `keeps` is
+    /// false. With `own_volume` scattered points get the volumes of their cells. `own_share` tells the part
+    /// of a bond (owner, bond) in the material of its owner where that does not end at the face.
     ///
     /// # Errors
-    /// As [`Families::search`].
-    pub fn reaching(
-        cloud: &Cloud<D>,
-        families: Families<D>,
-        cells: Cells,
-    ) -> Result<Families<D>, GeometryError> {
-        let share = families.share.clone();
-        let mut reach: Vec<f64> = match cells {
-            Cells::Lattice | Cells::Tensor => grid_reach(cloud, cells),
-            Cells::Scattered => {
-                let found = all_cells(cloud, &families, cells);
-                found.iter().map(|cell| cell.reach).collect()
-            }
-        };
-        share.complete(&mut reach, 1);
-        let enough = |(reach, horizon): (&f64, &f64)| *reach <= *horizon;
-        if reach.iter().zip(&families.horizon).all(enough) {
-            return Ok(families);
-        }
-        let wider = reach.iter().zip(&families.horizon);
-        let horizon: Vec<f64> = wider.map(|(reach, own)| reach.max(*own)).collect();
-        let held: Vec<usize> = (0..families.len()).filter(|i| share.holds(*i)).collect();
-        let watched = share.partition().map_or(&[][..], |_| &held);
-        Families::search_share(cloud, horizon, share.partition().cloned(), watched)
-    }
-
-    /// Makes the operator on `families` (from [`Path::reaching`]), of which it keeps the bonds between
-    /// cells that touch, and none to images for which `keeps` is false. With `own_volume` the points get
-    /// the volumes of their cells. `own_share` tells the part of a bond (owner, bond) in the material of its
-    /// owner where that does not end at the face.
-    ///
-    /// # Errors
-    /// As [`Families::search`].
+    /// As [`Families::search`](crate::geometry::Families::search).
     pub fn new(
         cloud: &Arc<Cloud<D>>,
-        families: &Families<D>,
-        cells: Cells,
+        found: &Tessellation<D>,
         own_volume: bool,
         influence: Influence,
         keeps: impl Fn(u8) -> bool,
         own_share: impl Fn(usize, usize) -> Option<f64>,
     ) -> Result<Self, GeometryError> {
-        let found = all_cells(cloud, families, cells);
+        let families = &found.families;
         let (mut geometric, mut arm, mut share) = (Vec::new(), Vec::new(), Vec::new());
         let mut steps = Vec::new();
         let mut open = Vec::new();
         let kept = families.retain(|owner, bond| {
             let place = bond - families.family(owner).start;
-            let Some(face) = found[owner].faces.iter().find(|face| face.bond == place) else {
+            let Some(face) = found.cells[owner]
+                .faces
+                .iter()
+                .find(|face| face.bond == place)
+            else {
                 return false;
             };
             let image = families.image(bond);
@@ -128,15 +76,18 @@ impl<const D: usize> Path<D> {
             steps.push(face.steps);
             true
         })?;
-        let cloud = match own_volume && cells == Cells::Scattered {
+        let cloud = match own_volume && found.kind == Cells::Scattered {
             false => cloud.clone(),
-            true => Arc::new(with_volumes(cloud, families, &found)),
+            true => Arc::new(Cloud {
+                volume: found.volumes(),
+                ..Cloud::clone(cloud)
+            }),
         };
         let around = Arc::new(Neighbourhood::of_cells(cloud, Arc::new(kept), influence));
         if share.iter().all(|share| (share - 0.5).abs() < 1e-12) {
             share.clear();
         }
-        let corners = match cells {
+        let corners = match found.kind {
             Cells::Lattice => Corners::find(&around, &steps, &mut geometric),
             Cells::Tensor | Cells::Scattered => Corners::default(),
         };
@@ -181,20 +132,6 @@ fn open_face<const D: usize>(
         area: face.area,
         arm: face.arm,
     })
-}
-
-/// The cloud with the volumes of its cells.
-fn with_volumes<const D: usize>(
-    cloud: &Cloud<D>,
-    families: &Families<D>,
-    found: &[Cell<D>],
-) -> Cloud<D> {
-    let mut volume: Vec<f64> = found.iter().map(|cell| cell.volume).collect();
-    families.share.complete(&mut volume, 1);
-    Cloud {
-        volume,
-        ..cloud.clone()
-    }
 }
 
 impl<const D: usize> BondForm<D> for Path<D> {

@@ -5,19 +5,10 @@ use crate::geometry::{Horizon, Matrix, Shape, horizons};
 fn path<const D: usize>(cloud: Cloud<D>, cells: Cells) -> Path<D> {
     let horizon = horizons(&cloud, Horizon::Ratio(1.8)).unwrap();
     let families = Families::search(&cloud, horizon).unwrap();
-    let families = Path::reaching(&cloud, families, cells).unwrap();
+    let found = Tessellation::new(&cloud, families, cells).unwrap();
     let cloud = Arc::new(cloud);
     let influence = Influence::default();
-    Path::new(
-        &cloud,
-        &families,
-        cells,
-        true,
-        influence,
-        |_| true,
-        |_, _| None,
-    )
-    .unwrap()
+    Path::new(&cloud, &found, true, influence, |_| true, |_, _| None).unwrap()
 }
 
 fn square(cells: [usize; 2], size: Vector<2>) -> Path<2> {
@@ -275,13 +266,10 @@ fn without_images_the_flow_along_a_side_is_whole() {
     let cloud = Arc::new(lattice(Vector::zeros(), Vector::<2>::new(6.0, 5.0), [6, 5]).unwrap());
     let horizon = horizons(&cloud, Horizon::Ratio(1.8)).unwrap();
     let families = Families::search(&cloud, horizon).unwrap();
-    let keeps = |image: u8| families.images.get(image).order[1] >= 0;
+    let found = Tessellation::new(&cloud, families, Cells::Lattice).unwrap();
+    let keeps = |image: u8| found.families.images.get(image).order[1] >= 0;
     let influence = Influence::default();
-    let cells = Cells::Lattice;
-    let form = Path::new(&cloud, &families, cells, false, influence, keeps, |_, _| {
-        None
-    })
-    .unwrap();
+    let form = Path::new(&cloud, &found, false, influence, keeps, |_, _| None).unwrap();
     for owner in 0..form.around.len() {
         let bonds = form.around.families.family(owner);
         let along = |bond: usize| form.around.bond_vector(owner, bond)[0].powi(2);
