@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::assembly::{
     Consistency, Planes, ScalarOperator, consistent_gradient, uniform_flow_error,
 };
-use crate::geometry::{Cloud, Families, Side};
+use crate::geometry::{Cloud, Families, GeometryError, Side};
 use crate::operators::{
     BondConductance, Cells, Correspondence, MirrorContinuation, Neighbourhood, Parity, Path,
     Tessellation,
@@ -150,6 +150,16 @@ fn path<const D: usize>(
 ) -> Result<Built<D>, ModelError> {
     if !plan.geometry.tells_volumes() {
         return Err(ModelError::PathWithoutVolumes);
+    }
+    // Values between points, wells and the stabilising storage see as far as the horizon that was asked for.
+    let lonely = |point: &usize| families.share.holds(*point) && families.family(*point).len() < D;
+    if let Some(point) = (0..cloud.len()).find(lonely) {
+        return Err(ModelError::Geometry(GeometryError::SingularShape {
+            point,
+            position: cloud.position[point].iter().copied().collect(),
+            found: families.family(point).len(),
+            horizon: families.horizon[point],
+        }));
     }
     let found = Tessellation::new(cloud, families, cells)?;
     let extension = continuation(flow, cloud, &found.families);
