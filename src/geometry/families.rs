@@ -153,6 +153,32 @@ impl<const D: usize> Families<D> {
         Self::from_chunks(horizon, images, share, chunks)
     }
 
+    /// Families whose bonds (neighbour, image number) are known without a search; `family` gives them
+    /// sorted, and is asked for points that are held.
+    ///
+    /// # Errors
+    /// [`GeometryError::TooLarge`] beyond 32-bit indices.
+    pub fn of(
+        horizon: Vec<f64>,
+        images: ImageTable<D>,
+        share: Subdomain,
+        family: impl Fn(usize) -> Vec<(u32, u8)> + Sync,
+    ) -> Result<Self, GeometryError> {
+        let held = |point: usize| match share.holds(point) {
+            true => family(point),
+            false => Vec::new(),
+        };
+        let chunk = |chunk: usize| {
+            let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(horizon.len());
+            let families: Vec<Vec<(u32, u8)>> = points.map(held).collect();
+            let counts = families.iter().map(|bonds| bonds.len() as u32).collect();
+            (counts, families.concat())
+        };
+        let chunks = (0..horizon.len().div_ceil(CHUNK)).into_par_iter();
+        let chunks: Vec<Chunk> = chunks.map(chunk).collect();
+        Self::from_chunks(horizon, images, share, chunks)
+    }
+
     fn from_chunks(
         horizon: Vec<f64>,
         images: ImageTable<D>,

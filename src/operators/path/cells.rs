@@ -5,7 +5,7 @@
 //! across edges. Elsewhere they are Voronoi cells.
 
 use super::voronoi;
-use crate::geometry::{Cloud, Vector};
+use crate::geometry::{Cloud, Families, GeometryError, Vector};
 
 /// How the cells of a cloud are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,15 +125,70 @@ pub(super) fn grid_reach<const D: usize>(cloud: &Cloud<D>, cells: Cells) -> Vec<
         .collect()
 }
 
-/// Points between neighbours along every axis of a grid, x fastest.
-fn strides<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
-    let first = &cloud.position[0];
+/// Cells along every axis of a grid, whose points run along x first.
+fn counts<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
+    let mut stride = 1;
     std::array::from_fn(|axis| {
-        let edge = cloud.cell[0][axis];
-        let moved = |x: &Vector<D>| (x[axis] - first[axis]).abs() > TOUCH * edge;
-        let along = cloud.position.iter().position(moved);
-        along.unwrap_or(cloud.len())
+        let at = |k: usize| cloud.position.get(stride * k).map(|x| x[axis]);
+        let goes_on = |k: &usize| {
+            at(*k)
+                .zip(at(k - 1))
+                .is_some_and(|(here, last)| here > last)
+        };
+        let count = 1 + (1..).take_while(goes_on).count();
+        stride *= count;
+        count
     })
+}
+
+/// Points between neighbours along every axis of a grid.
+fn strides<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
+    let counts = counts(cloud);
+    std::array::from_fn(|axis| counts[..axis].iter().product())
+}
+
+/// Bonds of every point of a grid to all that differ by one cell at most along each axis, without a search:
+/// about flat cells a ball would hold thousands of points.
+pub(super) fn grid_families<const D: usize>(
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+    horizon: Vec<f64>,
+) -> Result<Families<D>, GeometryError> {
+    let (counts, strides) = (counts(cloud), strides(cloud));
+    let steps: Vec<[i64; D]> = (0..3_usize.pow(D as u32))
+        .map(|mut index| {
+            std::array::from_fn(|_| {
+                let step = (index % 3) as i64 - 1;
+                index /= 3;
+                step
+            })
+        })
+        .filter(|step| step.iter().any(|own| *own != 0))
+        .collect();
+    let bond = |point: usize, step: &[i64; D]| {
+        let (mut end, mut order) = (0, [0; D]);
+        for axis in 0..D {
+            let last = counts[axis] as i64 - 1;
+            let place = (point / strides[axis] % counts[axis]) as i64 + step[axis];
+            let inside = place.clamp(0, last);
+            // Behind a side lies the image of the cell before it.
+            order[axis] = (place - inside) as i32;
+            end += inside as usize * strides[axis];
+        }
+        let image = families.images.iter().position(|own| own.order == order)?;
+        Some((end as u32, image as u8))
+    };
+    let family = |point: usize| {
+        let mut bonds: Vec<(u32, u8)> = steps.iter().filter_map(|s| bond(point, s)).collect();
+        bonds.sort_unstable();
+        bonds
+    };
+    Families::of(
+        horizon,
+        families.images.clone(),
+        families.share.clone(),
+        family,
+    )
 }
 
 /// Larger distance from a point of a grid to its two neighbours along an axis, its own image included, m.

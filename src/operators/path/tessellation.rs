@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::cells::{Arm, Cell, Cells, cell_faces, grid_reach};
+use super::cells::{Arm, Cell, Cells, cell_faces, grid_families, grid_reach};
 use crate::geometry::{Cloud, Families, GeometryError};
 
 /// Families, and the cell of every point that is held here.
@@ -27,7 +27,11 @@ impl<const D: usize> Tessellation<D> {
         kind: Cells,
     ) -> Result<Self, GeometryError> {
         if kind != Cells::Scattered {
-            let families = reaching(cloud, families, grid_reach(cloud, kind))?;
+            let reach = grid_reach(cloud, kind);
+            let families = match enough(&families, &reach) {
+                true => families,
+                false => grid_families(cloud, &families, farther(&families, &reach))?,
+            };
             return Ok(Self::over(cloud, families, kind));
         }
         // What a family leaves of a cell bounds the cell, and so the distance of all neighbours.
@@ -37,7 +41,7 @@ impl<const D: usize> Tessellation<D> {
         match enough(&first.families, &reach) {
             true => Ok(first),
             false => {
-                let families = reaching(cloud, first.families, reach)?;
+                let families = searched(cloud, &first.families, &reach)?;
                 Ok(Self::over(cloud, families, kind))
             }
         }
@@ -77,23 +81,25 @@ fn enough<const D: usize>(families: &Families<D>, reach: &[f64]) -> bool {
     pairs.all(|(reach, horizon)| reach <= horizon)
 }
 
-/// The families, searched anew if one does not reach as far as it should.
-fn reaching<const D: usize>(
+/// Horizons that reach as far as they should.
+fn farther<const D: usize>(families: &Families<D>, reach: &[f64]) -> Vec<f64> {
+    let pairs = reach.iter().zip(&families.horizon);
+    pairs.map(|(reach, own)| reach.max(*own)).collect()
+}
+
+/// The families, searched anew as far as they should reach.
+fn searched<const D: usize>(
     cloud: &Cloud<D>,
-    families: Families<D>,
-    reach: Vec<f64>,
+    families: &Families<D>,
+    reach: &[f64],
 ) -> Result<Families<D>, GeometryError> {
-    if enough(&families, &reach) {
-        return Ok(families);
-    }
-    let wider = reach.iter().zip(&families.horizon);
-    let horizon: Vec<f64> = wider.map(|(reach, own)| reach.max(*own)).collect();
+    let horizon = farther(families, reach);
     let share = &families.share;
-    let held = || (0..families.len()).filter(|point| share.holds(*point));
     match share.partition() {
         None => Families::search(cloud, horizon),
         Some(partition) => {
-            let watched: Vec<usize> = held().collect();
+            let held = (0..families.len()).filter(|point| share.holds(*point));
+            let watched: Vec<usize> = held.collect();
             Families::search_share(cloud, horizon, Some(partition.clone()), &watched)
         }
     }

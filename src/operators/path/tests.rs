@@ -289,3 +289,20 @@ fn without_images_the_flow_along_a_side_is_whole() {
             .all(|face| face.arm == Vector::<2>::new(0.0, -0.5))
     );
 }
+
+/// Flat cells, whose faces lie far beyond the horizon, get the families of the grid without a search.
+#[test]
+fn flat_cells_have_all_their_faces_whatever_the_horizon() {
+    let cloud = lattice(Vector::zeros(), Vector::<3>::new(3.0, 4.0, 0.5), [3, 4, 50]).unwrap();
+    let form = path(cloud, Cells::Lattice);
+    assert_eq!(form.around.families.bonds(), 6 * 600);
+    holds_uniform_flow(&form);
+    holds_uniform_flow(&path(
+        lattice(Vector::zeros(), Vector::<2>::new(1.0, 9.0), [1, 9]).unwrap(),
+        Cells::Lattice,
+    ));
+    holds_uniform_flow(&path(
+        lattice(Vector::zeros(), Vector::<2>::new(90.0, 1.0), [9, 10]).unwrap(),
+        Cells::Lattice,
+    ));
+}
