@@ -18,11 +18,12 @@ pub fn bond_force<const D: usize, F: BondForm<D>>(
 ) {
     let family = form.neighbourhood().families.family(owner);
     forces.clear();
-    forces.extend(
-        family
-            .zip(differences)
-            .map(|(bond, d)| form.conductance(owner, bond, mobility) * d),
-    );
+    forces.resize(family.len(), 0.0);
+    form.conductances(owner, mobility, forces);
+    forces
+        .iter_mut()
+        .zip(differences)
+        .for_each(|(f, d)| *f *= d);
     for term in form.coupling(owner, mobility).into_iter().flatten() {
         let sum: crate::geometry::Vector<D> = term
             .weight

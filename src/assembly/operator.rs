@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Pattern, PatternError, Refill, force, scalar};
 use crate::geometry::Vector;
-use crate::operators::{BondForm, MirrorContinuation, Neighbourhood};
+use crate::operators::{BondForm, MirrorContinuation, Neighbourhood, OpenFace};
 
 /// A scalar operator chosen at run time; every [`BondForm`] is one.
 pub trait ScalarOperator<const D: usize>: Send + Sync {
@@ -65,6 +65,12 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
         point: usize,
         difference: &dyn Fn(usize) -> f64,
     ) -> Vec<f64>;
+
+    /// As [`BondForm::flux_is_carried`].
+    fn flux_is_carried(&self) -> bool;
+
+    /// As [`BondForm::open_faces`].
+    fn open_faces(&self) -> &[OpenFace<D>];
 
     /// Points with bonds that leave through a side of prescribed value.
     fn outlets(&self, extension: &MirrorContinuation<D>) -> Vec<u32>;
@@ -150,6 +156,14 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
         let mut forces = Vec::with_capacity(differences.len());
         force::bond_force(self, point, mobility, &differences, &mut forces);
         forces
+    }
+
+    fn flux_is_carried(&self) -> bool {
+        BondForm::flux_is_carried(self)
+    }
+
+    fn open_faces(&self) -> &[OpenFace<D>] {
+        BondForm::open_faces(self)
     }
 
     fn outlets(&self, extension: &MirrorContinuation<D>) -> Vec<u32> {

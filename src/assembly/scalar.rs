@@ -1,8 +1,8 @@
 //! Values of an assembled scalar operator, row by row: rows are owned, so threads never meet.
 //!
-//! Operators that reach one hop are refilled in the order of the pattern, from factors summed per
-//! entry once. Operators with a second hop are collected family by family, through places in the
-//! rows that are found once per pattern.
+//! Operators whose bonds depend on their ends alone are refilled in the order of the pattern, from factors
+//! summed per entry once. All others, and those with a second hop, are collected family by family, through
+//! places in the rows that are found once per pattern.
 
 use std::cell::RefCell;
 
@@ -19,10 +19,10 @@ thread_local! {
 /// What refills of one pattern share.
 #[derive(Debug, Clone)]
 pub enum Refill {
-    /// For operators that reach one hop.
+    /// For operators of one hop whose bonds depend on their ends alone.
     OneHop(OneHop),
-    /// For operators with a second hop.
-    TwoHops(TwoHops),
+    /// For all others.
+    ByFamily(ByFamily),
 }
 
 impl Default for Refill {
@@ -44,7 +44,7 @@ pub struct OneHop {
 
 /// Places in rows.
 #[derive(Debug, Clone, Default)]
-pub struct TwoHops {
+pub struct ByFamily {
     /// Place of the neighbour of every bond in the row of its owner, shape `(bonds,)`.
     own: Vec<u16>,
     /// Place of the owner in the row of the neighbour, in the order of the dual families.
@@ -59,8 +59,8 @@ impl Refill {
         pattern: &Pattern,
     ) -> Self {
         let points = form.neighbourhood().len();
-        match (0..points).any(|owner| form.couples(owner)) {
-            true => Refill::TwoHops(TwoHops::new(form, pattern)),
+        match !form.pairwise() || (0..points).any(|owner| form.couples(owner)) {
+            true => Refill::ByFamily(ByFamily::new(form, pattern)),
             false => Refill::OneHop(OneHop::new(form, extension, pattern)),
         }
     }
@@ -72,7 +72,7 @@ impl Refill {
                 8 * (plan.forward.len() + plan.backward.len())
                     + size_of::<(u32, u32, f64)>() * plan.odd.len()
             }
-            Refill::TwoHops(plan) => 2 * (plan.own.len() + plan.dual.len()),
+            Refill::ByFamily(plan) => 2 * (plan.own.len() + plan.dual.len()),
         }
     }
 }
@@ -162,11 +162,11 @@ impl OneHop {
     }
 }
 
-impl TwoHops {
+impl ByFamily {
     fn new<const D: usize, F: BondForm<D>>(form: &F, pattern: &Pattern) -> Self {
         let families = &form.neighbourhood().families;
         let bonds = families.bonds();
-        let mut plan = TwoHops {
+        let mut plan = ByFamily {
             own: vec![0; bonds],
             dual: vec![0; bonds],
         };
@@ -212,13 +212,19 @@ pub fn fill<const D: usize, F: BondForm<D>>(
 ) {
     let plan = match plan {
         Refill::OneHop(plan) => return plan.fill(form, mobility, pattern, values),
-        Refill::TwoHops(plan) => plan,
+        Refill::ByFamily(plan) => plan,
     };
+    let families = &form.neighbourhood().families;
+    let mut conductance = vec![0.0; families.bonds()];
+    by_rows(families.offsets(), &mut conductance, |owner, own| {
+        form.conductances(owner, mobility, own);
+    });
     by_rows(&pattern.offsets, values, |row, values| {
         let mut row = Row {
             form,
             extension,
             mobility,
+            conductance: &conductance,
             pattern,
             plan,
             row,
@@ -233,8 +239,10 @@ struct Row<'a, const D: usize, F> {
     form: &'a F,
     extension: &'a MirrorContinuation<D>,
     mobility: &'a [f64],
+    /// Per bond, shape `(bonds,)`.
+    conductance: &'a [f64],
     pattern: &'a Pattern,
-    plan: &'a TwoHops,
+    plan: &'a ByFamily,
     row: usize,
     values: &'a mut [f64],
 }
@@ -247,14 +255,14 @@ impl<const D: usize, F: BondForm<D>> Row<'_, D, F> {
         let mut diagonal = 0.0;
         let family = families.family(self.row);
         for (bond, &place) in family.clone().zip(&self.plan.own[family]) {
-            let conductance = self.form.conductance(self.row, bond, self.mobility);
+            let conductance = self.conductance[bond];
             diagonal += conductance;
             self.values[usize::from(place)] -=
                 self.extension.sign(families.image(bond)) * conductance;
         }
         let start = families.dual_offsets()[self.row] as usize;
-        for ((owner, bond), &place) in families.dual(self.row).zip(&self.plan.dual[start..]) {
-            let conductance = self.form.conductance(owner, bond, self.mobility);
+        for ((_, bond), &place) in families.dual(self.row).zip(&self.plan.dual[start..]) {
+            let conductance = self.conductance[bond];
             diagonal += conductance;
             self.values[usize::from(place)] -=
                 self.extension.sign(families.image(bond)) * conductance;

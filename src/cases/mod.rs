@@ -42,6 +42,7 @@ pub const CASES: &[Case] = &[
         "two layers in series with any permeability contrast"
     ),
     case!("channel", "a one-cell-wide channel of high permeability"),
+    case!("barrier", "a one-cell-thick barrier of low permeability"),
     case!("heterogeneous", "log-normal permeability over six decades"),
     case!(
         "reservoir-3d",

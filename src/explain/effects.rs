@@ -2,7 +2,7 @@
 
 use super::{Reason, reason};
 use crate::geometry::Side;
-use crate::model::Sample;
+use crate::model::{Form, Sample};
 use crate::plan::{
     CrackKind, CrackPlan, DamageModel, Load, MechanicsPlan, Normalise, Plan, Support,
 };
@@ -175,18 +175,15 @@ fn forces(plan: &Plan, mechanics: &MechanicsPlan) -> Vec<Reason> {
 pub(super) fn operator(sample: &Sample) -> Option<Reason> {
     let flow = sample.flow.as_ref()?;
     let chosen = &flow.operator;
-    let reach = match flow.second_hop {
-        true => "two hops",
-        false if chosen.bond => "one hop, harmonic mean per bond",
-        false => {
+    let reach = match (flow.second_hop, chosen.form) {
+        (true, _) => "two hops",
+        (false, Form::Path(_)) => "cells that touch, harmonic mean along the way",
+        (false, Form::Bond) => "one hop, harmonic mean per bond",
+        (false, Form::Correspondence) => {
             "one hop: its second hop vanishes on isotropic families with this hourglass factor"
         }
     };
-    let name = if chosen.bond {
-        "bond"
-    } else {
-        "correspondence"
-    };
+    let name = chosen.form.name();
     let gradient = gradient(flow.corrected);
     Some(reason(name, format!("{reach}{gradient}; {}", chosen.why)))
 }

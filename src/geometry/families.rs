@@ -153,6 +153,32 @@ impl<const D: usize> Families<D> {
         Self::from_chunks(horizon, images, share, chunks)
     }
 
+    /// Families whose bonds (neighbour, image number) are known without a search; `family` gives them
+    /// sorted, and is asked for points that are held.
+    ///
+    /// # Errors
+    /// [`GeometryError::TooLarge`] beyond 32-bit indices.
+    pub fn of(
+        horizon: Vec<f64>,
+        images: ImageTable<D>,
+        share: Subdomain,
+        family: impl Fn(usize) -> Vec<(u32, u8)> + Sync,
+    ) -> Result<Self, GeometryError> {
+        let held = |point: usize| match share.holds(point) {
+            true => family(point),
+            false => Vec::new(),
+        };
+        let chunk = |chunk: usize| {
+            let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(horizon.len());
+            let families: Vec<Vec<(u32, u8)>> = points.map(held).collect();
+            let counts = families.iter().map(|bonds| bonds.len() as u32).collect();
+            (counts, families.concat())
+        };
+        let chunks = (0..horizon.len().div_ceil(CHUNK)).into_par_iter();
+        let chunks: Vec<Chunk> = chunks.map(chunk).collect();
+        Self::from_chunks(horizon, images, share, chunks)
+    }
+
     fn from_chunks(
         horizon: Vec<f64>,
         images: ImageTable<D>,
@@ -246,7 +272,14 @@ impl<const D: usize> Families<D> {
         })
     }
 
-    fn retain(&self, mut keep: impl FnMut(usize, usize) -> bool) -> Result<Self, GeometryError> {
+    /// The same families without the bonds (owner, bond) for which `keep` is false; it is asked in order.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn retain(
+        &self,
+        mut keep: impl FnMut(usize, usize) -> bool,
+    ) -> Result<Self, GeometryError> {
         let mut counts = Vec::with_capacity(self.len());
         let mut bonds = Vec::with_capacity(self.bonds());
         for point in 0..self.len() {

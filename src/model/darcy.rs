@@ -1,6 +1,8 @@
 //! Darcy velocity from the flux that bonds carry, and the pressure between points from its slope.
 //!
-//! Where the mobility varies, −κ∇̃p is not the flux: the gradient sees both sides of a jump. What bonds
+//! With the path operator it is the mean of what the faces of a cell carry, (1/V) Σ F (x_face − x).
+//!
+//! With the others −κ∇̃p is not the flux where the mobility varies: the gradient sees both sides of a jump. What bonds
 //! carry is: with the force F_b of every bond the operator conserves Σ F_b through any plane. The velocity
 //! v of a cell is the weighted least-squares fit to the bonds that run through it, with weights as a
 //! uniform rock would have them,
@@ -42,9 +44,29 @@ impl<const D: usize> FlowModel<D> {
         let drive = self.drive(pressure, &walls);
         let at = |point| self.operator.flux(&self.mobility, point, &drive);
         let mut velocity: Vec<Vector<D>> = (0..self.points()).into_par_iter().map(at).collect();
+        match self.operator.flux_is_carried() {
+            true => self.add_open_faces(time, &mut velocity),
+            false => self.fit_beside_jumps(&drive, &mut velocity),
+        }
+        velocity
+    }
+
+    /// Adds what prescribed fluxes bring through the faces of cells on their sides.
+    fn add_open_faces(&self, time: f64, velocity: &mut [Vector<D>]) {
+        let volume = &self.operator.neighbourhood().cloud.volume;
+        for face in self.operator.open_faces() {
+            let point = face.point as usize;
+            if let Some(flux) = &self.fluxes[face.side.index()] {
+                velocity[point] -= face.arm * (flux.at(time) * face.area / volume[point]);
+            }
+        }
+    }
+
+    /// Fits the velocity anew to the bonds through the cells near jumps of the mobility.
+    fn fit_beside_jumps(&self, drive: Drive<'_>, velocity: &mut [Vector<D>]) {
         let points = self.beside_jumps();
         let parts = points.chunks(CHUNK);
-        let sums: Vec<Sums<D>> = parts.flat_map(|points| self.sums(points, &drive)).collect();
+        let sums: Vec<Sums<D>> = parts.flat_map(|points| self.sums(points, drive)).collect();
         let fit = |cell: usize| {
             let (flux, moment) = self.own_sums(&points, &sums, cell);
             let volume = moment.trace().abs() / D as f64;
@@ -56,7 +78,6 @@ impl<const D: usize> FlowModel<D> {
             let point = *point as usize;
             velocity[point] = own.unwrap_or(velocity[point]);
         }
-        velocity
     }
 
     /// Points of this process near those that see another mobility, or are seen by one, ascending.

@@ -5,11 +5,16 @@ use std::sync::Arc;
 use crate::assembly::{
     Consistency, Planes, ScalarOperator, consistent_gradient, uniform_flow_error,
 };
-use crate::geometry::Cloud;
-use crate::operators::{BondConductance, Correspondence, Neighbourhood};
-use crate::plan::FlowPlan;
+use crate::geometry::{Cloud, Families, GeometryError, Side};
+use crate::operators::{
+    BondConductance, Cells, Correspondence, MirrorContinuation, Neighbourhood, Parity, Path,
+    Tessellation,
+};
+use crate::plan::{FlowPlan, Plan, SideCondition};
 
 use super::ModelError;
+use super::interfaces::Interfaces;
+use super::operator_choice::Form;
 
 /// Share of a family's weights beyond which its correction is not trusted.
 const TRUSTED: f64 = 0.5;
@@ -71,11 +76,121 @@ pub(super) fn judge_plain<const D: usize>(
     Ok(())
 }
 
+/// An operator, and what goes with it.
+pub(super) struct Built<const D: usize> {
+    /// The operator.
+    pub(super) operator: Arc<dyn ScalarOperator<D>>,
+    /// Continuation of the pressure across the sides.
+    pub(super) extension: MirrorContinuation<D>,
+    /// What the divergence-consistent gradient achieved, if there is one.
+    pub(super) consistency: Option<Consistency>,
+}
+
+/// Builds the chosen operator.
+///
+/// # Errors
+/// [`ModelError`] where it does not go with the cloud.
+pub(super) fn operator<const D: usize>(
+    plan: &Plan,
+    flow: &FlowPlan,
+    form: Form,
+    (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
+    warnings: &mut Vec<String>,
+) -> Result<Built<D>, ModelError> {
+    if let Form::Path(cells) = form {
+        return path(plan, flow, cells, (cloud, material, families));
+    }
+    let extension = continuation(flow, cloud, &families);
+    let one_sided: Vec<bool> = Side::all(D)
+        .map(|side| extension.parity(side) == Parity::OneSided)
+        .collect();
+    let families = match one_sided.iter().any(|&o| o) {
+        true => families.retain_images(|image| extension.keeps(image))?,
+        false => families,
+    };
+    let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
+    let around = Arc::new(around);
+    let mut consistency = None;
+    let operator = match form {
+        Form::Bond => bond_operator(&around, &one_sided, warnings)?,
+        _ => correspondence(flow, &around, &one_sided, &mut consistency, warnings)?,
+    };
+    Ok(Built {
+        operator: operator.into(),
+        extension,
+        consistency,
+    })
+}
+
+/// How the pressure goes on across the sides.
+fn continuation<const D: usize>(
+    flow: &FlowPlan,
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+) -> MirrorContinuation<D> {
+    let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
+    let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
+    MirrorContinuation::new(&families.images, &parity, &planes)
+}
+
+fn parity(side: &SideCondition) -> Parity {
+    match side {
+        SideCondition::Sealed => Parity::Even,
+        SideCondition::Pressure { .. } => Parity::Odd,
+        SideCondition::Flux(_) => Parity::OneSided,
+    }
+}
+
+/// Builds the path operator between the cells of a cloud.
+fn path<const D: usize>(
+    plan: &Plan,
+    flow: &FlowPlan,
+    cells: Cells,
+    (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
+) -> Result<Built<D>, ModelError> {
+    if !plan.geometry.tells_volumes() {
+        return Err(ModelError::PathWithoutVolumes);
+    }
+    // Values between points, wells and the stabilising storage see as far as the horizon that was asked for.
+    let lonely = |point: &usize| families.share.holds(*point) && families.family(*point).len() < D;
+    if let Some(point) = (0..cloud.len()).find(lonely) {
+        return Err(ModelError::Geometry(GeometryError::SingularShape {
+            point,
+            position: cloud.position[point].iter().copied().collect(),
+            found: families.family(point).len(),
+            horizon: families.horizon[point],
+        }));
+    }
+    let found = Tessellation::new(cloud, families, cells)?;
+    let extension = continuation(flow, cloud, &found.families);
+    let interfaces = Interfaces {
+        plan,
+        cloud,
+        families: &found.families,
+        material,
+    };
+    // What strain squeezes out of a cell has the volume of mechanics.
+    let own_volume = plan.coupling.is_none();
+    let operator = Path::new(
+        cloud,
+        &found,
+        own_volume,
+        plan.influence,
+        |image| extension.keeps(image),
+        |owner, bond| interfaces.share(owner, bond),
+    )?;
+    Ok(Built {
+        operator: Arc::new(operator),
+        extension,
+        consistency: None,
+    })
+}
+
 /// Builds the bond operator over the families of `around`.
 ///
 /// # Errors
 /// [`ModelError::InconsistentBonds`] where a uniform flow would be far off.
-pub(super) fn bond_operator<const D: usize>(
+fn bond_operator<const D: usize>(
     around: &Arc<Neighbourhood<D>>,
     one_sided: &[bool],
     warnings: &mut Vec<String>,
@@ -111,7 +226,7 @@ pub(super) fn bond_operator<const D: usize>(
 ///
 /// # Errors
 /// [`ModelError::Consistency`] if the gradient cannot be corrected.
-pub(super) fn correspondence<const D: usize>(
+fn correspondence<const D: usize>(
     flow: &FlowPlan,
     around: &Arc<Neighbourhood<D>>,
     one_sided: &[bool],

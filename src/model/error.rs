@@ -227,6 +227,12 @@ pub enum ModelError {
     /// The gradient could not be corrected.
     #[error(transparent)]
     Consistency(#[from] ConsistencyError),
+    /// The path operator on points of unknown volume.
+    #[error(
+        "the path operator needs the cells of the points, and with geometry.any_volume their volumes are in \
+         no known unit; give volumes in the unit of the positions, or use flow.operator = \"bond\""
+    )]
+    PathWithoutVolumes,
     /// The bond operator on families that are too uneven for it.
     #[error(
         "the bond operator is not consistent on this cloud: a uniform flow would be off by {:.0} % \

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, BoundaryPlane};
 use crate::effects::{self, Column, Context, Counted};
-use crate::geometry::{Cloud, Families, Side, Subdomain, Term, Vector};
-use crate::operators::{MirrorContinuation, Neighbourhood, Parity};
+use crate::geometry::{Cloud, Families, Subdomain, Term, Vector};
+use crate::operators::MirrorContinuation;
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::{Flows, Timers};
 
 use super::bands::Bands;
-use super::diffusion::{bond_operator, correspondence};
+use super::diffusion::operator;
 use super::fixed::{FixedPressure, fixed_points};
 use super::operator_choice::ChosenOperator;
 use super::properties::Properties;
@@ -53,6 +53,8 @@ pub struct FlowModel<const D: usize> {
     pub initial: Vec<f64>,
     /// Sides of prescribed pressure.
     pub walls: Vec<BoundaryPlane>,
+    /// Prescribed flux into the domain per side, m/s.
+    pub(super) fluxes: Vec<Option<Load>>,
     /// Where the time of the run goes.
     pub timers: Timers,
     column: Option<Column<D>>,
@@ -70,23 +72,10 @@ impl<const D: usize> FlowModel<D> {
         (points, bands): (&Properties, &Bands),
         warnings: &mut Vec<String>,
     ) -> Result<Self, ModelError> {
-        let parity: Vec<Parity> = flow.sides.iter().map(parity).collect();
-        let one_sided: Vec<bool> = parity.iter().map(|p| *p == Parity::OneSided).collect();
-        let planes: Vec<f64> = Side::all(D).map(|side| cloud.domain.plane(side)).collect();
-        let extension = MirrorContinuation::new(&families.images, &parity, &planes);
-        let families = match one_sided.iter().any(|&o| o) {
-            true => families.retain_images(|image| extension.keeps(image))?,
-            false => families,
-        };
-        let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
-        let around = Arc::new(around);
-        let mut consistency = None;
         let chosen = ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular);
         warnings.extend(chosen.doubt);
-        let operator = match chosen.bond {
-            true => bond_operator(&around, &one_sided, warnings)?,
-            false => correspondence(flow, &around, &one_sided, &mut consistency, warnings)?,
-        };
+        let points_and_families = (cloud, &*points.material, families);
+        let built = operator(plan, flow, chosen.form, points_and_families, warnings)?;
         let mobility = points
             .permeability
             .iter()
@@ -103,9 +92,10 @@ impl<const D: usize> FlowModel<D> {
             capacity: points
                 .storage
                 .iter()
-                .zip(&cloud.volume)
+                .zip(&built.operator.neighbourhood().cloud.volume)
                 .map(|(s, v)| s * v)
                 .collect(),
+            fluxes: flow.sides.iter().map(flux).collect(),
             initial: initial.collect(),
             walls: Vec::new(),
             refill_plan: Arc::default(),
@@ -116,13 +106,13 @@ impl<const D: usize> FlowModel<D> {
             conductance: Vec::new(),
             stabilisation: Vec::new(),
             effects: Arc::default(),
-            operator: operator.into(),
-            extension,
+            operator: built.operator,
+            extension: built.extension,
             mobility,
             fixed,
             fixed_loads,
             refills: Arc::default(),
-            consistency,
+            consistency: built.consistency,
             timers: Timers::default(),
             column,
         })
@@ -468,11 +458,10 @@ impl<const D: usize> FlowModel<D> {
     }
 }
 
-fn parity(side: &SideCondition) -> Parity {
+fn flux(side: &SideCondition) -> Option<Load> {
     match side {
-        SideCondition::Sealed => Parity::Even,
-        SideCondition::Pressure { .. } => Parity::Odd,
-        SideCondition::Flux(_) => Parity::OneSided,
+        SideCondition::Flux(flux) => Some(flux.clone()),
+        _ => None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Materials and permeabilities of the points.
 
-use crate::geometry::Cloud;
+use crate::geometry::{Cloud, Vector};
 use crate::material::log_normal;
 use crate::operators::Lame;
 use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable, check_length};
@@ -52,17 +52,20 @@ pub fn assign_roughly<const D: usize>(
     plan: &Plan,
     cloud: &Cloud<D>,
 ) -> Result<Properties, ModelError> {
-    let background = plan.materials.iter().position(|m| m.region.is_none());
-    let material = |x: &crate::geometry::Vector<D>| {
-        let holds = |own: &MaterialPlan| match &own.region {
-            Some(region) => region.contains(x.as_slice()),
-            None => false,
-        };
-        let last = plan.materials.iter().rposition(holds);
-        last.or(background).unwrap_or(0) as u16
-    };
+    let material = |x: &Vector<D>| material_at(plan, x).unwrap_or(0);
     let material = cloud.position.iter().map(material).collect();
     assigned(plan, cloud, None, material)
+}
+
+/// The material of a place: the last one whose region holds it, else the one without a region.
+pub(super) fn material_at<const D: usize>(plan: &Plan, x: &Vector<D>) -> Option<u16> {
+    let holds = |own: &MaterialPlan| match &own.region {
+        Some(region) => region.contains(x.as_slice()),
+        None => false,
+    };
+    let background = || plan.materials.iter().position(|m| m.region.is_none());
+    let last = plan.materials.iter().rposition(holds);
+    last.or_else(background).map(|k| k as u16)
 }
 
 fn assigned<const D: usize>(

@@ -1,8 +1,8 @@
-//! What rounding leaves of the balance of forces.
+//! What rounding leaves of the balances of forces and of fluid.
 
 use perifrac_solvers::magnitude;
 
-use super::SolidModel;
+use super::{FlowModel, SolidModel};
 
 impl<const D: usize> SolidModel<D> {
     /// ε Σ (|K||u| + |r||w|), N: forces out of balance, Σ of absolutes, that are rounding errors.
@@ -20,5 +20,26 @@ impl<const D: usize> SolidModel<D> {
             size[0] += response.map(|(_, r)| (r * place).abs()).sum::<f64>();
         }
         f64::EPSILON * size[0]
+    }
+}
+
+impl<const D: usize> FlowModel<D> {
+    /// 4 ε √(Σ (Σ_j |L_ij||p_j|)²), m^D/s: rates out of balance in a steady state that are rounding errors,
+    /// as their signs are random from row to row.
+    ///
+    /// Pressures next to a side of better rock differ from that on the side by few digits, and what flows
+    /// through it is known no better: two layers of 1 : 1e12, 40 cells across, miss the balance by 1.0e-2 to
+    /// 1.3e-2 of the turnover with the built-in solvers, a little more than without the factor 4.
+    pub fn rounding(&self, pressure: &[f64]) -> f64 {
+        let terms = |row: usize| {
+            let entries = self.pattern.row(row);
+            let columns = &self.pattern.columns[entries.clone()];
+            let pairs = self.conductance[entries].iter().zip(columns);
+            pairs.map(|(value, &column)| (value * pressure[column as usize]).abs())
+        };
+        let rows = (0..self.points()).map(|row| terms(row).sum::<f64>().powi(2));
+        let mut square = [rows.sum()];
+        self.subdomain().sum(&mut square);
+        4.0 * f64::EPSILON * square[0].sqrt()
     }
 }

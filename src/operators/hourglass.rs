@@ -65,8 +65,11 @@ impl<const D: usize> BondForm<D> for Hourglass<D> {
         1.0
     }
 
-    fn conductance(&self, owner: usize, bond: usize, _mobility: &[f64]) -> f64 {
-        self.geometric(owner, bond)
+    fn conductances(&self, owner: usize, _mobility: &[f64], conductances: &mut [f64]) {
+        let family = self.around.families.family(owner);
+        for (bond, conductance) in family.zip(conductances) {
+            *conductance = self.geometric(owner, bond);
+        }
     }
 
     fn couples(&self, _owner: usize) -> bool {

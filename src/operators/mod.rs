@@ -21,6 +21,7 @@ mod family_width;
 mod gradient;
 mod hourglass;
 mod neighbourhood;
+mod path;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
@@ -34,12 +35,13 @@ pub use family_width::{BandLaw, FamilyWidths, WholeFamily, WidthRange};
 pub use gradient::{Gradient, column_sums, family_gradient};
 pub use hourglass::Hourglass;
 pub use neighbourhood::Neighbourhood;
+pub use path::{Arm, Cells, Path, Tessellation, cell_faces};
 
 pub use crate::material::Lame;
 
 use std::sync::Arc;
 
-use crate::geometry::{Matrix, Vector};
+use crate::geometry::{Matrix, Side, Vector};
 
 /// One term Wᵀ M W that couples all bonds of a family.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +50,19 @@ pub struct Coupling<'a, const D: usize> {
     pub stiffness: Matrix<D>,
     /// Columns of W, one per bond of the family.
     pub weight: &'a [Vector<D>],
+}
+
+/// Face of a point's cell on a side of the domain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpenFace<const D: usize> {
+    /// The point.
+    pub point: u32,
+    /// The side.
+    pub side: Side,
+    /// Area, m^(D−1).
+    pub area: f64,
+    /// From the point to the middle of the face, m.
+    pub arm: Vector<D>,
 }
 
 /// Local quadratic forms of a diffusion operator; linear or harmonic in the mobility.
@@ -67,10 +82,20 @@ pub trait BondForm<const D: usize>: Send + Sync {
     /// Mobility of a bond from those of its owner and of its end, m²/(Pa s).
     fn mean(&self, owner: f64, end: f64) -> f64;
 
-    /// Diagonal entry of A for one bond of `owner`; `mobility` is K/μ per point in m²/(Pa s).
-    fn conductance(&self, owner: usize, bond: usize, mobility: &[f64]) -> f64 {
-        let end = self.neighbourhood().families.neighbour(bond);
-        self.geometric(owner, bond) * self.mean(mobility[owner], mobility[end])
+    /// Whether a bond's conductance is its geometric factor times the mean over its two ends, so that
+    /// nothing else between them counts.
+    fn pairwise(&self) -> bool {
+        true
+    }
+
+    /// Diagonal entries of A for the bonds of `owner`, in the order of its family; `mobility` is K/μ
+    /// per point in m²/(Pa s).
+    fn conductances(&self, owner: usize, mobility: &[f64], conductances: &mut [f64]) {
+        let families = &self.neighbourhood().families;
+        for (bond, conductance) in families.family(owner).zip(conductances) {
+            let mean = self.mean(mobility[owner], mobility[families.neighbour(bond)]);
+            *conductance = self.geometric(owner, bond) * mean;
+        }
     }
 
     /// Whether the family of `owner` has coupling terms, that is a second hop.
@@ -81,6 +106,17 @@ pub trait BondForm<const D: usize>: Send + Sync {
     /// The coupling terms of the family of `owner`; `None` where [`BondForm::couples`] is false.
     fn coupling(&self, _owner: usize, _mobility: &[f64]) -> [Option<Coupling<'_, D>>; 2] {
         [None, None]
+    }
+
+    /// Whether [`BondForm::flux`] is the mean of what the faces of a point's cell carry, right beside
+    /// jumps of the mobility too.
+    fn flux_is_carried(&self) -> bool {
+        false
+    }
+
+    /// Faces of cells on sides without images, which no bond stands for.
+    fn open_faces(&self) -> &[OpenFace<D>] {
+        &[]
     }
 
     /// Flux −κ∇̃p of one family from its bond differences, m/s.

@@ -35,6 +35,24 @@ impl<const D: usize> Neighbourhood<D> {
         families: Arc<Families<D>>,
         influence: Influence,
     ) -> Result<Self, GeometryError> {
+        let around = Self::of_cells(cloud, families, influence);
+        let missing = |owner: &usize| {
+            around.families.share.holds(*owner)
+                && around.inverse_shape[*owner] == Matrix::<D>::zeros()
+        };
+        match (0..around.len()).find(missing) {
+            None => Ok(around),
+            Some(first) => Err(singular(&around.cloud, &around.families, first)),
+        }
+    }
+
+    /// The same for operators that take no gradient: a family that does not span the space, as in a strip
+    /// one cell wide, has a zero for K⁻¹.
+    pub fn of_cells(
+        cloud: Arc<Cloud<D>>,
+        families: Arc<Families<D>>,
+        influence: Influence,
+    ) -> Self {
         let weigh = |owner: usize, bond: usize| {
             let distance = families.bond_vector(&cloud, owner, bond).norm();
             let horizon = families.horizon[owner];
@@ -45,22 +63,17 @@ impl<const D: usize> Neighbourhood<D> {
             .flat_map_iter(|owner| families.family(owner).map(move |bond| weigh(owner, bond)))
             .collect();
         let shape = |owner: usize| invert(&cloud, &families, owner, &measure);
-        let shapes: Option<Vec<(Matrix<D>, f64)>> =
+        let shapes: Vec<(Matrix<D>, f64)> =
             (0..families.len()).into_par_iter().map(shape).collect();
-        let shapes = shapes.ok_or_else(|| {
-            // Of several such points the first is named, whichever thread met its own first.
-            let first = (0..families.len()).find(|owner| shape(*owner).is_none());
-            singular(&cloud, &families, first.unwrap_or_default())
-        })?;
         let (inverse_shape, moment) = shapes.into_iter().unzip();
-        Ok(Neighbourhood {
+        Neighbourhood {
             cloud,
             families,
             measure,
             inverse_shape,
             moment,
             influence,
-        })
+        }
     }
 
     /// ω(ξ) V_j of a bond that may be severed, which has no `measure`.
@@ -109,25 +122,25 @@ fn shape_tensor<const D: usize>(
     shape
 }
 
-/// Inverse shape tensor and moment of a point; `None` if its family does not span the space.
+/// Inverse shape tensor and moment of a point; a zero for the first if its family does not span the space.
 fn invert<const D: usize>(
     cloud: &Cloud<D>,
     families: &Families<D>,
     owner: usize,
     measure: &[f64],
-) -> Option<(Matrix<D>, f64)> {
+) -> (Matrix<D>, f64) {
     if !families.share.holds(owner) {
         // An infinite moment leaves no stiffness to a family that is not there.
-        return Some((Matrix::zeros(), f64::INFINITY));
+        return (Matrix::zeros(), f64::INFINITY);
     }
     let shape = shape_tensor(cloud, families, owner, measure);
     let moment = shape.trace();
     // Scaled to the isotropic tensor the determinant is 1, and falls to 0 with the thinnest axis.
     let scaled = shape * (D as f64 / moment);
-    determinant(&scaled)
+    let inverse = determinant(&scaled)
         .filter(|&d| d > SINGULAR)
-        .and_then(|_| shape.try_inverse())
-        .map(|inverse| (inverse, moment))
+        .and_then(|_| shape.try_inverse());
+    (inverse.unwrap_or_else(Matrix::zeros), moment)
 }
 
 fn singular<const D: usize>(

@@ -58,13 +58,17 @@ impl<const D: usize> Run<'_, D> {
             false => balance.moved().since(&before).error(rounding),
         };
         let limits = &self.plan.audit;
+        let lost = match (self.plan.time.mode, &model.flow) {
+            (TimeMode::Steady, Some(flow)) => flow.rounding(&trial.pressure) / balance.turnover,
+            _ => 0.0,
+        };
         let debt = if self.repays() { DEBT } else { 1.0 };
         let forces = balance.momentum.unwrap_or(0.0);
         let checks = [
             (
                 Conserved::Mass,
                 balance.mass.max(step),
-                debt * bound(limits.mass),
+                (debt * bound(limits.mass)).max(lost),
             ),
             (Conserved::Momentum, forces, bound(limits.momentum)),
             (Conserved::Energy, conjured, bound(limits.energy)),

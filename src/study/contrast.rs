@@ -15,7 +15,7 @@ use crate::plan::PermeabilityPlan;
 /// The study of contrast.
 pub(super) struct Contrast;
 
-const OPERATORS: [&str; 2] = ["bond", "correspondence"];
+const OPERATORS: [&str; 3] = ["path", "bond", "correspondence"];
 
 /// Steps of an explicit run that are worth waiting for; beyond, its cost follows from the limit.
 const MOST_STEPS: f64 = 1e6;
@@ -128,8 +128,9 @@ impl Study for Contrast {
         cost.tables.push(growth(&groups, &laws));
         let mut errors = Section::new("Error against contrast");
         errors.text.push(
-            "The bond operator takes the harmonic mean of the mobilities at both ends of a bond, the \
-             correspondence operator that of the point: across an interface it overrates the flux."
+            "The path operator takes what lies between the points of cells that touch, the bond operator the \
+             harmonic mean of the mobilities at both ends of a bond, the correspondence operator that of the \
+             point: across an interface it overrates the flux."
                 .to_owned(),
         );
         errors.text.push(format!(
@@ -211,8 +212,8 @@ impl Layered {
             _ => Err(StudyError::Unsuited {
                 study: "the contrast study",
                 case: subject.plan.case.clone(),
-                reason: "it needs exactly two materials with one permeability each; two-layer and \
-                         channel are such cases"
+                reason: "it needs exactly two materials with one permeability each; two-layer, \
+                         channel and barrier are such cases"
                     .to_owned(),
             }),
         }

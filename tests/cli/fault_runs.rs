@@ -207,12 +207,12 @@ error: steady: no steady state: the part of the domain around point 0 is sealed,
             name: "explicit steps above their limit",
             change: &[(
                 "\"100 s\"",
-                "\"100 s\"\nstep = \"2.5 s\"\n[scheme]\nname = \"explicit\"",
+                "\"100 s\"\nstep = \"1.05 s\"\n[scheme]\nname = \"explicit\"",
             )],
             code: 4,
             stderr: r#"
-warning: Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s: the run will be unstable
-error: explicit (forward-euler): explicit step unstable at t = 5.000000e0 s: the imbalance grew 1.6e0 times; Δt = 2.500000e0 s is above the stability limit of 1.432603e0 s; use a smaller time.step, leave it out, or use --scheme implicit; the output at t = 0.000000e0 s is kept
+warning: Δt = 1.050000e0 s is above the stability limit of 5.993963e-1 s: the run will be unstable
+error: explicit (forward-euler): explicit step unstable at t = 3.150000e0 s: the imbalance grew 1.7e0 times; Δt = 1.050000e0 s is above the stability limit of 5.993963e-1 s; use a smaller time.step, leave it out, or use --scheme implicit; the output at t = 0.000000e0 s is kept
 "#,
             ..FAULT
         },

@@ -8,6 +8,7 @@ const CASES: [&str; 26] = [
     "five-spot",
     "two-layer",
     "channel",
+    "barrier",
     "heterogeneous",
     "reservoir-3d",
     "theis",

@@ -6,7 +6,11 @@ use crate::support::{run_case, run_text};
 fn a_flow_scene_holds_a_pressure_and_nothing_else() {
     let (summary, _) = run_case(
         "five-spot",
-        &["geometry.points=[20, 20]", "time.mode=steady"],
+        &[
+            "geometry.points=[20, 20]",
+            "time.mode=steady",
+            "flow.operator=correspondence",
+        ],
     );
     let fields = &summary.counters.field_bytes;
     assert_eq!((fields.len(), fields["pressure"]), (1, 8 * 400));

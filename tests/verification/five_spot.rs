@@ -90,8 +90,12 @@ fn explicit_and_implicit_agree_at_a_given_time() {
 fn the_bond_operator_is_the_correspondence_operator_on_a_uniform_lattice() {
     // With c = 1 = D/2 and isotropic families the second hop vanishes (docs/theory.md).
     let grid = ["geometry.points=[40, 40]", "time.mode=steady"];
-    let (correspondence, a) = run_case("five-spot", &grid);
-    let (bond, b) = run_case("five-spot", &[&grid[..], &["flow.operator=bond"]].concat());
+    let of = |operator: &str| {
+        let operator = format!("flow.operator={operator}");
+        run_case("five-spot", &[&grid[..], &[operator.as_str()]].concat())
+    };
+    let (correspondence, a) = of("correspondence");
+    let (bond, b) = of("bond");
     assert_eq!(correspondence.second_hops, 0);
     assert_eq!(correspondence.nonzeros, bond.nonzeros);
     assert!(

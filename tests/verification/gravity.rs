@@ -48,7 +48,8 @@ fn a_hydrostatic_column_in_layered_rock_stays_at_rest() {
     let open_top = ["flow.boundary.top={pressure=1e5}"];
     let open_side = ["flow.boundary.left={pressure=1e5, hydrostatic=true}"];
     for overrides in [&sealed[..], &open_top, &open_side] {
-        for operator in ["flow.operator=bond", "flow.operator=correspondence"] {
+        for operator in ["path", "bond", "correspondence"] {
+            let operator = &*format!("flow.operator={operator}");
             let velocity = largest_velocity(&[overrides, &[operator]].concat());
             assert!(
                 velocity < 1e-11 * FREE_FALL,

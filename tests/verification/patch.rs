@@ -79,10 +79,11 @@ fn blocks_in_three_dimensions() {
 
 #[test]
 fn the_correction_is_on_by_default_wherever_spacing_varies_and_only_there() {
-    let (graded, _) = run_text(COLUMN, &[]);
+    let operator = "flow.operator=correspondence";
+    let (graded, _) = run_text(COLUMN, &[operator]);
     assert!(graded.consistency.is_some());
     let lattice = r#"geometry={type="lattice", size=[1, 0.4], points=[25, 10]}"#;
-    let (uniform, _) = run_text(COLUMN, &[lattice]);
+    let (uniform, _) = run_text(COLUMN, &[lattice, operator]);
     assert!(uniform.consistency.is_none() && uniform.second_hops == 0);
 }
 
@@ -92,7 +93,8 @@ fn a_prescribed_flux_balances_a_linear_pressure_for_every_operator() {
     // One unit of flux in through the left side gives the same linear pressure.
     let flux = "flow.boundary.left={flux=1}";
     for geometry in [lattice, BLOCKS] {
-        for operator in ["flow.operator=correspondence", "flow.operator=bond"] {
+        for operator in ["path", "correspondence", "bond"] {
+            let operator = &*format!("flow.operator={operator}");
             let plan = [geometry, operator, flux];
             let text = COLUMN.replace("[reference]\ntype = \"two-layer\"\n", "");
             let (summary, state) = run_text(&text, &plan);

@@ -4,7 +4,7 @@ use perifrac::model::{Model, ModelError};
 use perifrac::report::Timers;
 use perifrac::run::Summary;
 
-use crate::support::{plan_of, run_text};
+use crate::support::{flow_model, plan_of, plan_of_variant, run_text};
 
 /// A unit pressure drop over a unit square of unit mobility: the outflow is 1.
 const SQUARE: &str = r#"title = "square"
@@ -87,35 +87,29 @@ fn the_bond_operator_is_refused_where_a_uniform_flow_is_a_tenth_off() {
     assert!((0.1..0.2).contains(&error), "{error}");
 }
 
-/// The contrast is that of the points, whatever in the scene makes it.
 #[test]
-fn the_default_operator_follows_the_contrast_of_the_points() {
+fn the_default_operator_is_path_unless_a_gradient_is_named() {
     let layer = r#"{type="box", min=[0, 0], max=[1, 0.5]}"#;
-    let with = |permeability: &str| {
-        format!("materials.layer={{permeability={permeability}, storage=1, region={layer}}}")
-    };
-    let jitter = "geometry.jitter=0.2";
+    let with = format!("materials.layer={{permeability=1e-4, storage=1, region={layer}}}");
     let operator = |sets: &[&str]| run_text(SQUARE, sets).0.operator;
-    assert_eq!(operator(&[]), "correspondence");
-    assert_eq!(operator(&[&with("3")]), "correspondence");
-    assert_eq!(operator(&[&with("3.1")]), "bond");
-    assert_eq!(operator(&[&with("1e-4")]), "bond");
-    assert_eq!(operator(&[&with("5"), jitter]), "correspondence");
-    assert_eq!(operator(&[&with("20"), jitter]), "bond");
-    let random = |std: &str| {
-        format!(
-            "materials.rock.permeability={{distribution=\"log-normal\", median=1, log10_std={std}, \
-             decades=6, correlation_length=0.2, seed=1}}"
-        )
+    assert_eq!(operator(&[]), "path");
+    assert_eq!(operator(&[&with]), "path");
+    assert_eq!(operator(&["geometry.jitter=0.2"]), "path");
+    assert_eq!(operator(&["flow.gradient=plain"]), "correspondence");
+}
+
+/// Where rock may break the contrast decides, and fractures conduct. It is that of the points, whatever in
+/// the scene makes it.
+#[test]
+fn with_flow_in_fractures_the_default_operator_follows_the_contrast_of_the_points() {
+    let operator = |sets: &[&str]| {
+        let plan = plan_of_variant("kgd-toughness", "smoke", sets);
+        let flow = flow_model::<2>(&plan);
+        flow.operator.name()
     };
-    assert_eq!(operator(&[&random("1")]), "bond");
-    assert_eq!(operator(&[&random("0.01")]), "correspondence");
-    // Materials that no point has, or that are alike, make no contrast.
-    assert_eq!(operator(&[&with("1")]), "correspondence");
-    assert_eq!(
-        operator(&[&with("20"), "flow.gradient=plain"]),
-        "correspondence"
-    );
+    assert_eq!(operator(&["flow.operator=auto"]), "bond");
+    let named = ["flow.operator=auto", "flow.gradient=plain"];
+    assert_eq!(operator(&named), "correspondence");
 }
 
 #[test]
@@ -129,7 +123,10 @@ fn the_correspondence_operator_across_layers_is_warned_of() {
             .filter(|w| w.contains("arithmetic mean"))
             .count()
     };
-    assert_eq!(["auto", "bond", "correspondence"].map(doubts), [0, 0, 1]);
+    assert_eq!(
+        ["auto", "path", "bond", "correspondence"].map(doubts),
+        [0, 0, 0, 1]
+    );
 }
 
 /// Horizontal layers in series: k = 2/(1/k₁ + 1/k₂) carries the flux.
@@ -140,5 +137,5 @@ fn flow_across_horizontal_layers_is_right_by_default() {
     let (summary, _) = run_text(SQUARE, &[layer, upward]);
     let exact = 2.0 / (1.0 + 1e4);
     let error = (summary.outflow["top"] / exact - 1.0).abs();
-    assert!(error < 0.007, "{error}");
+    assert!(error < 1e-12, "{error:e}");
 }

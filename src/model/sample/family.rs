@@ -109,14 +109,7 @@ fn symbol<const D: usize>(
     let Some(inverse) = inverse else {
         return 8.0;
     };
-    let steps = 12_usize;
-    let mut largest = 0.0_f64;
-    for mut index in 0..(steps + 1).pow(D as u32) {
-        let wave = Vector::<D>::from_fn(|_, _| {
-            let k = index % (steps + 1);
-            index /= steps + 1;
-            std::f64::consts::PI * k as f64 / steps as f64 / spacing
-        });
+    let value = |wave: &Vector<D>| {
         let (mut even, mut odd) = (0.0, Vector::<D>::zeros());
         for (xi, weight) in bonds {
             let phase = wave.dot(xi);
@@ -124,8 +117,23 @@ fn symbol<const D: usize>(
             odd += xi * (weight * phase.sin());
         }
         let slope = inverse * odd;
-        let value = 4.0 * hourglass / shape.trace() * even + slope.dot(&(bracket * slope));
-        largest = largest.max(value);
-    }
-    largest * spacing * spacing
+        4.0 * hourglass / shape.trace() * even + slope.dot(&(bracket * slope))
+    };
+    largest_over_waves(spacing, value) * spacing * spacing
+}
+
+/// Largest value of a symbol over wave vectors on a grid up to the shortest waves of a spacing.
+pub(super) fn largest_over_waves<const D: usize>(
+    spacing: f64,
+    symbol: impl Fn(&Vector<D>) -> f64,
+) -> f64 {
+    let steps = 12_usize;
+    let waves = (0..(steps + 1).pow(D as u32)).map(|mut index| {
+        Vector::<D>::from_fn(|_, _| {
+            let k = index % (steps + 1);
+            index /= steps + 1;
+            std::f64::consts::PI * k as f64 / steps as f64 / spacing
+        })
+    });
+    waves.map(|wave| symbol(&wave)).fold(0.0, f64::max)
 }

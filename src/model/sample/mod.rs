@@ -1,5 +1,6 @@
 //! What a model will cost, from families of a few points, before anything large is built.
 
+mod cell;
 mod coupled;
 mod family;
 mod outline;
@@ -7,9 +8,10 @@ mod width;
 
 pub use coupled::CoupledSample;
 
+use self::cell::LocalCell;
 use self::family::LocalFamily;
 use self::outline::CloudOutline;
-use super::operator_choice::ChosenOperator;
+use super::operator_choice::{ChosenOperator, Form};
 use super::properties::{self, Properties};
 use super::{ModelError, build_cloud, fit};
 use crate::geometry::{Cloud, GeometryError, Horizon, Sampler};
@@ -154,6 +156,8 @@ fn sampled<const D: usize>(
 ) -> Result<Sample, ModelError> {
     let sampler = Sampler::new(cloud, horizon)?;
     let hourglass = plan.flow.as_ref().map_or(1.0, |flow| flow.hourglass);
+    let chosen = (plan.flow.as_ref())
+        .map(|flow| ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular));
     let samples = sampled_points(cloud.len());
     let typical = samples.get(samples.len() / 2);
     let size = typical.map_or(0, |&point| sampler.family(point).len());
@@ -163,6 +167,14 @@ fn sampled<const D: usize>(
     let families: Vec<LocalFamily> = (samples.iter())
         .map(|i| LocalFamily::new(plan, cloud, &sampler, *i, hourglass))
         .collect();
+    let cells: Option<Vec<LocalCell>> = match chosen.as_ref().map(|chosen| chosen.form) {
+        Some(Form::Path(cells)) => {
+            let varies = contrast(points.permeability.iter().copied()) > 1.0;
+            let cell = |point: &usize| LocalCell::new(cloud, &sampler, cells, *point, varies);
+            Some(samples.iter().map(cell).collect())
+        }
+        _ => None,
+    };
     let mut per_material = vec![0; plan.materials.len()];
     points
         .material
@@ -173,6 +185,7 @@ fn sampled<const D: usize>(
         cloud,
         points,
         families: &families,
+        cells: cells.as_deref(),
     };
     Ok(Sample {
         points: cloud.len(),
@@ -183,7 +196,7 @@ fn sampled<const D: usize>(
         extent: cloud.domain.size().amax(),
         irregular: cloud.irregular,
         per_material,
-        flow: plan.flow.as_ref().map(|flow| seen.flow(flow)),
+        flow: (plan.flow.as_ref().zip(chosen)).map(|(flow, chosen)| seen.flow(flow, chosen)),
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
         coupling: plan.coupling.map(|_| seen.coupling()),
         width: width::range(plan, cloud, &sampler, points, &samples),
@@ -257,31 +270,38 @@ struct Seen<'a, const D: usize> {
     cloud: &'a Cloud<D>,
     points: &'a Properties,
     families: &'a [LocalFamily],
+    /// With the path operator.
+    cells: Option<&'a [LocalCell]>,
 }
 
 impl<const D: usize> Seen<'_, D> {
-    fn mean(&self, value: impl Fn(&LocalFamily) -> usize) -> f64 {
-        let sum: f64 = self
-            .families
-            .iter()
-            .map(|family| value(family) as f64)
-            .sum();
-        sum / self.families.len().max(1) as f64
-    }
-
     /// κ of a point, m²/(Pa s).
     fn mobility(&self, point: usize) -> f64 {
         self.points.permeability[point] / self.plan.fluid.viscosity
     }
 
-    fn flow(&self, flow: &FlowPlan) -> FlowSample {
+    fn flow(&self, flow: &FlowPlan, operator: ChosenOperator) -> FlowSample {
         let (cloud, families) = (self.cloud, self.families);
-        let operator =
-            ChosenOperator::of(self.plan, flow, &self.points.permeability, cloud.irregular);
-        let bond = operator.bond;
-        let corrected = !bond && flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
-        let second_hop = corrected || !bond && families.iter().any(|family| !family.one_hop);
-        let eigenvalue = families.iter().map(|f| f.eigenvalue).fold(0.0, f64::max);
+        let corrected = operator.form == Form::Correspondence
+            && flow.corrects_gradient(cloud.irregular, cloud.domain.planes);
+        let own_hop = families.iter().any(|family| !family.one_hop);
+        let second_hop = corrected || operator.form == Form::Correspondence && own_hop;
+        let hops = |family: &LocalFamily| match second_hop {
+            true => family.two_hops,
+            false => family.hops,
+        };
+        let [bonds, nonzeros, eigenvalue] = match self.cells {
+            Some(cells) => [
+                mean(cells, |cell| cell.bonds),
+                mean(cells, |cell| cell.neighbours),
+                cells.iter().map(|cell| cell.eigenvalue).fold(0.0, f64::max),
+            ],
+            None => [
+                mean(families, |family| family.bonds),
+                mean(families, hops),
+                families.iter().map(|f| f.eigenvalue).fold(0.0, f64::max),
+            ],
+        };
         let limit = |i: usize| {
             let diffusivity = self.mobility(i) / self.explicit_storage(i);
             2.0 * cloud.spacing(i).powi(2) / (diffusivity * eigenvalue)
@@ -289,8 +309,8 @@ impl<const D: usize> Seen<'_, D> {
         let points = 0..cloud.len();
         let diffusivity = |i: usize| self.mobility(i) / self.points.storage[i];
         FlowSample {
-            bonds: self.mean(|family| family.bonds),
-            nonzeros: self.mean(|f| if second_hop { f.two_hops } else { f.hops }),
+            bonds,
+            nonzeros,
             operator,
             second_hop,
             corrected,
@@ -304,8 +324,8 @@ impl<const D: usize> Seen<'_, D> {
         let cloud = self.cloud;
         let ratio = |lame: &crate::operators::Lame| 0.5 * lame.lambda / (lame.lambda + lame.mu);
         SolidSample {
-            bonds: self.mean(|family| family.solid_bonds),
-            neighbours: self.mean(|family| family.two_hops),
+            bonds: mean(self.families, |family| family.solid_bonds),
+            neighbours: mean(self.families, |family| family.two_hops),
             corrected: mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes),
             contrast: contrast(self.points.lame.iter().map(|lame| lame.mu)),
             volume_stiffness: (self.points.lame.iter())
@@ -338,6 +358,12 @@ impl<const D: usize> Seen<'_, D> {
         let lame = &self.points.lame[point];
         lame.lambda + 2.0 * lame.mu
     }
+}
+
+/// Mean of a count over samples.
+fn mean<T>(samples: &[T], count: impl Fn(&T) -> usize) -> f64 {
+    let sum: f64 = samples.iter().map(|sample| count(sample) as f64).sum();
+    sum / samples.len().max(1) as f64
 }
 
 /// Points spread evenly over the cloud's order.

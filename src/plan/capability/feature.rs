@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::plan::types::{CrackKind, GradientChoice, Integrator, Plan, SideCondition, TimeMode};
+use crate::plan::types::{
+    CrackKind, GradientChoice, Integrator, OperatorChoice, Plan, SideCondition, TimeMode,
+};
 
 /// One thing that a plan may ask for: an effect, an option of one, or the way of the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -13,6 +15,8 @@ pub enum Feature {
     HydrostaticStart,
     /// A pressure on a side that grows with depth.
     HydrostaticSide,
+    /// The path operator, asked for by name.
+    PathOperator,
     /// Wells.
     Wells,
     /// Gravity.
@@ -66,10 +70,11 @@ pub type Features = BTreeSet<Feature>;
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Feature; 26] = [
+    pub const ALL: [Feature; 27] = [
         Feature::Flow,
         Feature::HydrostaticStart,
         Feature::HydrostaticSide,
+        Feature::PathOperator,
         Feature::Wells,
         Feature::Gravity,
         Feature::Mechanics,
@@ -101,6 +106,7 @@ impl Feature {
             Feature::Flow => "[flow]",
             Feature::HydrostaticStart => "flow.hydrostatic_start = true",
             Feature::HydrostaticSide => "flow.boundary.SIDE.hydrostatic = true",
+            Feature::PathOperator => "flow.operator = \"path\"",
             Feature::Wells => "[wells]",
             Feature::Gravity => "[gravity]",
             Feature::Mechanics => "[mechanics]",
@@ -130,7 +136,9 @@ impl Feature {
     /// The features of which this one is an option: one of them must be there. Empty if it stands alone.
     pub fn part_of(self) -> &'static [Feature] {
         match self {
-            Feature::HydrostaticStart | Feature::HydrostaticSide => &[Feature::Flow],
+            Feature::HydrostaticStart | Feature::HydrostaticSide | Feature::PathOperator => {
+                &[Feature::Flow]
+            }
             Feature::Dynamic
             | Feature::Plate
             | Feature::MovingSide
@@ -177,6 +185,7 @@ fn of_flow(plan: &Plan) -> Vec<Feature> {
         (Feature::Flow, true),
         (Feature::HydrostaticStart, flow.hydrostatic_start),
         (Feature::HydrostaticSide, flow.sides.iter().any(deep)),
+        (Feature::PathOperator, flow.operator == OperatorChoice::Path),
     ];
     chosen(&asked)
 }

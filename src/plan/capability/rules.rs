@@ -195,6 +195,11 @@ pub static RULES: &[Rule] = &[
         )
     },
     refuse(
+        &[PathOperator, FractureFlow],
+        "the path operator does not know what broken rock conducts",
+        "set flow.operator = \"bond\", or leave it out",
+    ),
+    refuse(
         &[CutCrack, Flow],
         "a cut crack and [flow] do not go together",
         "set kind = \"damaged\", with [damage] and [fracture_flow]",

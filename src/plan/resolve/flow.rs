@@ -19,7 +19,7 @@ pub(super) fn flow_plan(flow: &scene::Flow, scene: &scene::Scene) -> FlowPlan {
         };
     }
     FlowPlan {
-        operator: flow.operator,
+        operator: flow.operator.value,
         hourglass: flow.hourglass.value(),
         gradient: flow.gradient.value,
         initial_pressure: pressure.map_or(flow.initial_pressure.value(), |own| own.value()),

@@ -55,9 +55,10 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
                     .collect()
             }),
         },
-        Feature::Flow | Feature::HydrostaticStart | Feature::HydrostaticSide => {
-            part(&scene.flow, |flow| of_flow(flow, feature))
-        }
+        Feature::Flow
+        | Feature::HydrostaticStart
+        | Feature::HydrostaticSide
+        | Feature::PathOperator => part(&scene.flow, |flow| of_flow(flow, feature)),
         Feature::UndrainedStart => section(&scene.coupling),
         Feature::Stabilisation => part(&scene.coupling, |own| vec![own.stabilisation.span()]),
         Feature::CutCrack | Feature::DamagedCrack | Feature::CrackPressure | Feature::Injection => {
@@ -101,6 +102,7 @@ fn of_flow(flow: &Flow, feature: Feature) -> Vec<Span> {
     };
     match feature {
         Feature::HydrostaticStart => vec![flow.hydrostatic_start.span],
+        Feature::PathOperator => vec![flow.operator.span],
         Feature::HydrostaticSide => {
             let sides = flow.boundary.iter();
             sides.filter_map(|(_, condition)| deep(condition)).collect()

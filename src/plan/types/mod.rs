@@ -153,6 +153,17 @@ impl GeometryPlan {
         }
     }
 
+    /// Whether the volumes of the points are in the unit of their places.
+    pub fn tells_volumes(&self) -> bool {
+        !matches!(
+            self,
+            Self::Points {
+                any_volume: true,
+                ..
+            }
+        )
+    }
+
     /// Number of points, where it is known before they are made.
     pub fn count(&self) -> Option<usize> {
         match self {

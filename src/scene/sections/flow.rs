@@ -17,7 +17,7 @@ use crate::scene::validate::{Context, Report, Section};
 #[serde(deny_unknown_fields, default)]
 pub struct Flow {
     /// Discrete operator of the pressure equation.
-    pub operator: Operator,
+    pub operator: Spanned<Operator>,
     /// Coefficient of the hourglass term, in units of the mobility.
     #[schemars(transform = within(&HOURGLASS))]
     pub hourglass: Number,
@@ -49,7 +49,7 @@ const HOURGLASS: Range = Range {
 impl Default for Flow {
     fn default() -> Self {
         Self {
-            operator: Operator::default(),
+            operator: Spanned::default(),
             hourglass: Number::si(1.0),
             gradient: Spanned::default(),
             initial_pressure: Pressure::si(0.0),
@@ -65,15 +65,20 @@ impl Default for Flow {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Operator {
-    /// Bond where the permeabilities of the points differ by a factor of more than 3 (10 on irregular
-    /// clouds) or fractures conduct, correspondence elsewhere and where `gradient` is named.
+    /// Path; correspondence where `gradient` is named. With `[fracture_flow]`, and on points of `any_volume`,
+    /// bond where permeabilities differ by a factor of more than 3 (10 on irregular clouds) or fractures
+    /// conduct, correspondence elsewhere.
     #[default]
     Auto,
+    /// Conductances between cells that touch, from what lies on the way between their points. Right across
+    /// and along layers, channels and barriers of any contrast; second order on every cloud.
+    Path,
     /// Nonlocal gradient, its transpose, and an hourglass term. Second order on every cloud with a
     /// divergence-consistent gradient; behaves like an arithmetic mean where permeabilities meet.
     Correspondence,
-    /// A conductance for each bond, from the harmonic mean of the permeabilities. Right across layers;
-    /// on irregular clouds it has an error that does not fall with the spacing.
+    /// A conductance for each bond of a family, from the harmonic mean of the permeabilities at its ends.
+    /// Right across thick layers; thin ones and channels are not seen; on irregular clouds it has an error
+    /// that does not fall with the spacing.
     Bond,
 }
 
@@ -162,16 +167,15 @@ impl Section for Flow {
 impl Flow {
     fn check_operator(&self, report: &mut Report) {
         HOURGLASS.check(self.hourglass, report);
-        match self.operator {
-            Operator::Auto | Operator::Correspondence => {}
-            Operator::Bond => {
-                if self.gradient.value != Gradient::Auto {
-                    let fault = Diagnostic::new("the bond operator has no gradient to choose");
-                    let fault = fault.at(self.gradient.span);
-                    report
-                        .add(fault.help("remove `gradient`, or use operator = \"correspondence\""));
-                }
-            }
+        let name = match self.operator.value {
+            Operator::Auto | Operator::Correspondence => return,
+            Operator::Path => "path",
+            Operator::Bond => "bond",
+        };
+        if self.gradient.value != Gradient::Auto {
+            let fault = Diagnostic::new(format!("the {name} operator has no gradient to choose"));
+            let fault = fault.at(self.gradient.span);
+            report.add(fault.help("remove `gradient`, or use operator = \"correspondence\""));
         }
     }
 }

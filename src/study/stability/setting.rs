@@ -2,7 +2,7 @@
 
 use super::theory::{Lattice, Mode, Split};
 use crate::geometry::Horizon;
-use crate::plan::{GeometryPlan, PermeabilityPlan};
+use crate::plan::{FlowPlan, GeometryPlan, GradientChoice, OperatorChoice, PermeabilityPlan};
 use crate::study::{Grid, Measured, Options, StudyCase, StudyError};
 
 /// What the case gives the theory.
@@ -89,6 +89,7 @@ impl Setting {
             ratio,
             influence: plan.influence,
             stiffness: elasticity.map_or(0.0, |e| e.lambda() / e.shear_modulus()),
+            path: (plan.flow.as_ref()).is_some_and(takes_path),
         };
         let mut modes = lattice.modes();
         modes.push(longest(plan.geometry.clone(), grid.spacing));
@@ -137,6 +138,15 @@ impl Setting {
         let (from, to) = split.stable(&self.modes, self.tau(strength));
         let unit = self.unit(strength) / self.limit(strength);
         (from * unit, to * unit)
+    }
+}
+
+/// Whether a uniform lattice without fractures gets the path form.
+fn takes_path(flow: &FlowPlan) -> bool {
+    match flow.operator {
+        OperatorChoice::Path => true,
+        OperatorChoice::Auto => flow.gradient == GradientChoice::Auto,
+        OperatorChoice::Bond | OperatorChoice::Correspondence => false,
     }
 }
 

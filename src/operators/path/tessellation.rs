@@ -1,0 +1,106 @@
+//! The cells of all points, with families that hold every face of them.
+
+use rayon::prelude::*;
+
+use super::cells::{Arm, Cell, Cells, cell_faces, grid_families, grid_reach};
+use crate::geometry::{Cloud, Families, GeometryError};
+
+/// Families, and the cell of every point that is held here.
+#[derive(Debug, Clone)]
+pub struct Tessellation<const D: usize> {
+    /// The families given, or wider ones where these do not hold every face.
+    pub families: Families<D>,
+    /// How the cells are known.
+    pub(super) kind: Cells,
+    /// Shape `(n,)`; empty ones for points of other processes.
+    pub(super) cells: Vec<Cell<D>>,
+}
+
+impl<const D: usize> Tessellation<D> {
+    /// Finds the cells.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn new(
+        cloud: &Cloud<D>,
+        families: Families<D>,
+        kind: Cells,
+    ) -> Result<Self, GeometryError> {
+        if kind != Cells::Scattered {
+            let reach = grid_reach(cloud, kind);
+            let families = match enough(&families, &reach) {
+                true => families,
+                false => grid_families(cloud, &families, farther(&families, &reach))?,
+            };
+            return Ok(Self::over(cloud, families, kind));
+        }
+        // What a family leaves of a cell bounds the cell, and so the distance of all neighbours.
+        let first = Self::over(cloud, families, kind);
+        let mut reach: Vec<f64> = first.cells.iter().map(|cell| cell.reach).collect();
+        first.families.share.complete(&mut reach, 1);
+        match enough(&first.families, &reach) {
+            true => Ok(first),
+            false => {
+                let families = searched(cloud, &first.families, &reach)?;
+                Ok(Self::over(cloud, families, kind))
+            }
+        }
+    }
+
+    fn over(cloud: &Cloud<D>, families: Families<D>, kind: Cells) -> Self {
+        let cell = |owner: usize| {
+            let arm = |bond| {
+                let end = families.neighbour(bond);
+                (end, families.bond_vector(cloud, owner, bond))
+            };
+            let arms: Vec<Arm<D>> = families.family(owner).map(arm).collect();
+            match families.share.holds(owner) {
+                true => cell_faces(cloud, kind, owner, &arms),
+                false => Cell::default(),
+            }
+        };
+        let cells = (0..families.len()).into_par_iter().map(cell).collect();
+        Tessellation {
+            families,
+            kind,
+            cells,
+        }
+    }
+
+    /// Volumes of all cells, m^D. All processes must call this together.
+    pub(super) fn volumes(&self) -> Vec<f64> {
+        let mut volume: Vec<f64> = self.cells.iter().map(|cell| cell.volume).collect();
+        self.families.share.complete(&mut volume, 1);
+        volume
+    }
+}
+
+/// Whether every family reaches as far as it should.
+fn enough<const D: usize>(families: &Families<D>, reach: &[f64]) -> bool {
+    let mut pairs = reach.iter().zip(&families.horizon);
+    pairs.all(|(reach, horizon)| reach <= horizon)
+}
+
+/// Horizons that reach as far as they should.
+fn farther<const D: usize>(families: &Families<D>, reach: &[f64]) -> Vec<f64> {
+    let pairs = reach.iter().zip(&families.horizon);
+    pairs.map(|(reach, own)| reach.max(*own)).collect()
+}
+
+/// The families, searched anew as far as they should reach.
+fn searched<const D: usize>(
+    cloud: &Cloud<D>,
+    families: &Families<D>,
+    reach: &[f64],
+) -> Result<Families<D>, GeometryError> {
+    let horizon = farther(families, reach);
+    let share = &families.share;
+    match share.partition() {
+        None => Families::search(cloud, horizon),
+        Some(partition) => {
+            let held = (0..families.len()).filter(|point| share.holds(*point));
+            let watched: Vec<usize> = held.collect();
+            Families::search_share(cloud, horizon, Some(partition.clone()), &watched)
+        }
+    }
+}
