@@ -83,6 +83,17 @@ pub enum GeometryError {
         /// Largest supported ratio.
         limit: usize,
     },
+    /// A cell so flat that its neighbours are not looked for.
+    #[error(
+        "the cell of point {point} is so flat that some {count} points lie within its length; use a more \
+         even cloud, or flow.operator = \"bond\""
+    )]
+    FlatCell {
+        /// Index of the point.
+        point: usize,
+        /// About how many points a ball of its length holds.
+        count: usize,
+    },
     /// More points or bonds than 32-bit indices can number.
     #[error("{what}: {count} is more than 32-bit indices can number; split the problem")]
     TooLarge {

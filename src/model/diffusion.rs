@@ -148,8 +148,8 @@ fn path<const D: usize>(
     cells: Cells,
     (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
 ) -> Result<Built<D>, ModelError> {
-    if !plan.geometry.tells_volumes() {
-        return Err(ModelError::PathWithoutVolumes);
+    if !plan.geometry.tells_cells() {
+        return Err(ModelError::PathWithoutCells);
     }
     // Values between points, wells and the stabilising storage see as far as the horizon that was asked for.
     let lonely = |point: &usize| families.share.holds(*point) && families.family(*point).len() < D;

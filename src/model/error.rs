@@ -227,12 +227,13 @@ pub enum ModelError {
     /// The gradient could not be corrected.
     #[error(transparent)]
     Consistency(#[from] ConsistencyError),
-    /// The path operator on points of unknown volume.
+    /// The path operator on points whose cells are not known.
     #[error(
-        "the path operator needs the cells of the points, and with geometry.any_volume their volumes are in \
-         no known unit; give volumes in the unit of the positions, or use flow.operator = \"bond\""
+        "the path operator needs the cells of the points, which are not known with geometry.any_volume, nor \
+         where jittered cells are ten times as long as they are thick; use flow.operator = \"bond\", give \
+         volumes in the unit of the positions, or leave the jitter out"
     )]
-    PathWithoutVolumes,
+    PathWithoutCells,
     /// The bond operator on families that are too uneven for it.
     #[error(
         "the bond operator is not consistent on this cloud: a uniform flow would be off by {:.0} % \

@@ -90,7 +90,7 @@ fn automatic(
         let why = "flow.gradient is named, which is its own";
         return (Some(Form::Correspondence), why.to_owned());
     }
-    if plan.fracture_flow.is_none() && plan.geometry.tells_volumes() {
+    if plan.fracture_flow.is_none() && plan.geometry.tells_cells() {
         return (None, "right at every contrast".to_owned());
     }
     let (limit, cloud) = match irregular {

@@ -16,6 +16,9 @@ pub struct Tessellation<const D: usize> {
     pub(super) cells: Vec<Cell<D>>,
 }
 
+/// Points that a search for the faces of a cell may meet; cells of 2:1 blocks have some hundred.
+const MOST: f64 = 20_000.0;
+
 impl<const D: usize> Tessellation<D> {
     /// Finds the cells.
     ///
@@ -38,9 +41,16 @@ impl<const D: usize> Tessellation<D> {
         let first = Self::over(cloud, families, kind);
         let mut reach: Vec<f64> = first.cells.iter().map(|cell| cell.reach).collect();
         first.families.share.complete(&mut reach, 1);
-        match enough(&first.families, &reach) {
-            true => Ok(first),
-            false => {
+        if enough(&first.families, &reach) {
+            return Ok(first);
+        }
+        let ball = |point: usize| reach[point].powi(D as i32) / cloud.volume[point];
+        match (0..cloud.len()).find(|point| ball(*point) > MOST) {
+            Some(point) => Err(GeometryError::FlatCell {
+                point,
+                count: ball(point) as usize,
+            }),
+            None => {
                 let families = searched(cloud, &first.families, &reach)?;
                 Ok(Self::over(cloud, families, kind))
             }

@@ -139,6 +139,10 @@ pub enum GeometryPlan {
     },
 }
 
+/// Ratio of the edges of scattered cells from which on their neighbours are not looked for: a ball as long as
+/// the cell holds some 300 others in the plane and, by two such edges, 40 000 in space.
+const FLAT: f64 = 10.0;
+
 impl GeometryPlan {
     /// Points along each axis, where they form a lattice or a tensor grid that can be made.
     pub fn cells(&self) -> Option<Vec<usize>> {
@@ -153,15 +157,23 @@ impl GeometryPlan {
         }
     }
 
-    /// Whether the volumes of the points are in the unit of their places.
-    pub fn tells_volumes(&self) -> bool {
-        !matches!(
-            self,
-            Self::Points {
-                any_volume: true,
+    /// Whether the cells of the points can be known: their volumes are in the unit of their places, and where
+    /// they are scattered no cell is so flat that it has thousands of others within its length.
+    pub fn tells_cells(&self) -> bool {
+        match self {
+            Self::Points { any_volume, .. } => !any_volume,
+            Self::Lattice {
+                size,
+                cells,
+                jitter,
                 ..
+            } => {
+                let edges = || size.iter().zip(cells).map(|(size, &n)| size / n as f64);
+                let longest = edges().fold(0.0, f64::max);
+                *jitter <= 0.0 || longest < FLAT * edges().fold(f64::INFINITY, f64::min)
             }
-        )
+            Self::Graded { .. } | Self::Blocks { .. } => true,
+        }
     }
 
     /// Number of points, where it is known before they are made.
