@@ -170,7 +170,8 @@ impl<const D: usize> CrackFlow<D> {
 /// Normal of the crack at wet points: the axis of n ⊗ n on average over what is broken in the family; zero elsewhere.
 ///
 /// The planes of single points fan out from the tip, those at the edge of the band by some 45°: with them the fluid
-/// would find its way out of the band sidewards.
+/// finds its way out of the band sidewards. In `kgd-viscosity` at 10 cm under equal in-situ stresses the pressure is 29 %
+/// too large after 1 s then, with the axes 2.9 %.
 fn axes<const D: usize>(
     elastic: &Elastic<D>,
     response: &Response<D>,
