@@ -102,7 +102,8 @@ pub const CASES: &[Case] = &[
         "injection into a crack with natural fractures in its way (Sec. 5.5)",
         "smoke",
         "vertical",
-        "wide"
+        "wide",
+        "split"
     ),
     case!(
         "injection-rate",

@@ -76,6 +76,10 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("natural-fractures", INJECTION),
     ("natural-fractures/vertical", INJECTION),
     ("natural-fractures/wide", FIRST_OF_WIDE),
+    (
+        "natural-fractures/split",
+        &["geometry.spacing=4 cm", "time.end=0.05", "output.times=[]"],
+    ),
     ("injection-rate", INJECTION),
     ("injection-rate/four", INJECTION),
     ("injection-rate/six", INJECTION),
