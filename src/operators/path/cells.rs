@@ -5,7 +5,7 @@
 //! across edges. Elsewhere they are Voronoi cells.
 
 use super::voronoi;
-use crate::geometry::{Cloud, Families, GeometryError, Vector};
+use crate::geometry::{Cloud, Families, GeometryError, ImageTable, Subdomain, Vector};
 
 /// How the cells of a cloud are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,17 +141,26 @@ fn counts<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
     })
 }
 
+/// Whether the points of a grid run along x first, then along the other axes; those of blocks do not.
+pub fn runs_along_axes<const D: usize>(cloud: &Cloud<D>) -> bool {
+    counts(cloud).iter().product::<usize>() == cloud.len()
+}
+
 /// Points between neighbours along every axis of a grid.
 fn strides<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
     let counts = counts(cloud);
     std::array::from_fn(|axis| counts[..axis].iter().product())
 }
 
-/// Bonds of every point of a grid to all that differ by one cell at most along each axis, without a search:
-/// about flat cells a ball would hold thousands of points.
-pub(super) fn grid_families<const D: usize>(
+/// Bonds of every point of a grid that runs along the axes to all that differ by one cell at most along each axis, without a search:
+/// about flat cells a ball would hold thousands of points. Horizons are taken down as they are.
+///
+/// # Errors
+/// As [`Families::of`].
+pub fn grid_families<const D: usize>(
     cloud: &Cloud<D>,
-    families: &Families<D>,
+    images: ImageTable<D>,
+    share: Subdomain,
     horizon: Vec<f64>,
 ) -> Result<Families<D>, GeometryError> {
     let (counts, strides) = (counts(cloud), strides(cloud));
@@ -175,7 +184,7 @@ pub(super) fn grid_families<const D: usize>(
             order[axis] = (place - inside) as i32;
             end += inside as usize * strides[axis];
         }
-        let image = families.images.iter().position(|own| own.order == order)?;
+        let image = images.iter().position(|own| own.order == order)?;
         Some((end as u32, image as u8))
     };
     let family = |point: usize| {
@@ -183,12 +192,7 @@ pub(super) fn grid_families<const D: usize>(
         bonds.sort_unstable();
         bonds
     };
-    Families::of(
-        horizon,
-        families.images.clone(),
-        families.share.clone(),
-        family,
-    )
+    Families::of(horizon, images.clone(), share, family)
 }
 
 /// Larger distance from a point of a grid to its two neighbours along an axis, its own image included, m.
