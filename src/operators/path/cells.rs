@@ -174,6 +174,16 @@ pub fn grid_families<const D: usize>(
         })
         .filter(|step| step.iter().any(|own| *own != 0))
         .collect();
+    let place_of = |order: &[i32; D]| {
+        let digits = order.iter().rev();
+        digits.fold(0, |place, own| 3 * place + (own + 1) as usize)
+    };
+    let mut numbers = vec![None; 3_usize.pow(D as u32)];
+    for (number, image) in images.iter().enumerate() {
+        if image.order.iter().all(|own| own.abs() <= 1) {
+            numbers[place_of(&image.order)] = Some(number as u8);
+        }
+    }
     let bond = |point: usize, step: &[i64; D]| {
         let (mut end, mut order) = (0, [0; D]);
         for axis in 0..D {
@@ -184,8 +194,8 @@ pub fn grid_families<const D: usize>(
             order[axis] = (place - inside) as i32;
             end += inside as usize * strides[axis];
         }
-        let image = images.iter().position(|own| own.order == order)?;
-        Some((end as u32, image as u8))
+        let image = numbers[place_of(&order)]?;
+        Some((end as u32, image))
     };
     let family = |point: usize| {
         let mut bonds: Vec<(u32, u8)> = steps.iter().filter_map(|s| bond(point, s)).collect();
