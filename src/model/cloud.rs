@@ -3,13 +3,16 @@
 use crate::effects::vector;
 use crate::geometry::generate::{blocks, graded, jitter, lattice};
 use crate::geometry::{
-    Cloud, Crack, Cutter, Domain, Families, Vector, horizons, horizons_in_parts,
+    Cloud, Crack, Cutter, Domain, Families, ImageTable, Subdomain, Vector, horizons,
+    horizons_in_parts,
 };
 use crate::plan::{CrackKind, CrackPlan, GeometryPlan, Plan, PointTable};
 use perifrac_solvers::{Communicator, Coordinates, Partition};
 use std::sync::Arc;
 
 use super::ModelError;
+use super::operator_choice::grid_alone;
+use crate::operators::{grid_families, runs_along_axes};
 
 /// Makes the cloud; the table holds what a points file says about materials.
 ///
@@ -93,6 +96,12 @@ pub fn build_families<const D: usize>(
     watched: &[usize],
 ) -> Result<Families<D>, ModelError> {
     let Some(team) = team else {
+        if grid_alone(plan, cloud.irregular) && runs_along_axes(cloud) {
+            let horizon = horizons(cloud, plan.horizon)?;
+            let reach = horizon.iter().copied().fold(0.0, f64::max);
+            let images = ImageTable::new(&cloud.domain, reach)?;
+            return Ok(grid_families(cloud, images, Subdomain::WHOLE, horizon)?);
+        }
         let families = Families::search(cloud, horizons(cloud, plan.horizon)?)?;
         return cut(plan, cloud, families);
     };

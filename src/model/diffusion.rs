@@ -152,12 +152,19 @@ fn path<const D: usize>(
         return Err(ModelError::PathWithoutCells);
     }
     // Values between points, wells and the stabilising storage see as far as the horizon that was asked for.
-    let lonely = |point: &usize| families.share.holds(*point) && families.family(*point).len() < D;
+    let within = |point: usize| {
+        let seen = |bond: &usize| families.bond_vector(cloud, point, *bond).norm();
+        let family = families.family(point);
+        family
+            .filter(|bond| seen(bond) <= families.horizon[point])
+            .count()
+    };
+    let lonely = |point: &usize| families.share.holds(*point) && within(*point) == 0;
     if let Some(point) = (0..cloud.len()).find(lonely) {
         return Err(ModelError::Geometry(GeometryError::SingularShape {
             point,
             position: cloud.position[point].iter().copied().collect(),
-            found: families.family(point).len(),
+            found: within(point),
             horizon: families.horizon[point],
         }));
     }

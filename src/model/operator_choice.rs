@@ -70,6 +70,19 @@ impl ChosenOperator {
     }
 }
 
+/// Whether a plan has no bonds but those between cells of a grid: flow alone, with the path operator.
+pub(super) fn grid_alone(plan: &Plan, irregular: bool) -> bool {
+    let Some(flow) = plan.flow.as_ref().filter(|_| plan.mechanics.is_none()) else {
+        return false;
+    };
+    let takes = match flow.operator {
+        OperatorChoice::Path => true,
+        OperatorChoice::Auto => automatic(plan, flow, 1.0, irregular).0.is_none(),
+        OperatorChoice::Bond | OperatorChoice::Correspondence => false,
+    };
+    takes && cells(plan, irregular) != Cells::Scattered && plan.cracks.is_empty()
+}
+
 /// How the cells of the plan's cloud are known.
 fn cells(plan: &Plan, irregular: bool) -> Cells {
     match (irregular, &plan.geometry) {

@@ -5,7 +5,7 @@
 //! across edges. Elsewhere they are Voronoi cells.
 
 use super::voronoi;
-use crate::geometry::{Cloud, Families, GeometryError, Vector};
+use crate::geometry::{Cloud, Families, GeometryError, ImageTable, Subdomain, Vector};
 
 /// How the cells of a cloud are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,17 +141,26 @@ fn counts<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
     })
 }
 
+/// Whether the points of a grid run along x first, then along the other axes; those of blocks do not.
+pub fn runs_along_axes<const D: usize>(cloud: &Cloud<D>) -> bool {
+    counts(cloud).iter().product::<usize>() == cloud.len()
+}
+
 /// Points between neighbours along every axis of a grid.
 fn strides<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
     let counts = counts(cloud);
     std::array::from_fn(|axis| counts[..axis].iter().product())
 }
 
-/// Bonds of every point of a grid to all that differ by one cell at most along each axis, without a search:
-/// about flat cells a ball would hold thousands of points.
-pub(super) fn grid_families<const D: usize>(
+/// Bonds of every point of a grid that runs along the axes to all that differ by one cell at most along each axis, without a search:
+/// about flat cells a ball would hold thousands of points. Horizons are taken down as they are.
+///
+/// # Errors
+/// As [`Families::of`].
+pub fn grid_families<const D: usize>(
     cloud: &Cloud<D>,
-    families: &Families<D>,
+    images: ImageTable<D>,
+    share: Subdomain,
     horizon: Vec<f64>,
 ) -> Result<Families<D>, GeometryError> {
     let (counts, strides) = (counts(cloud), strides(cloud));
@@ -165,6 +174,16 @@ pub(super) fn grid_families<const D: usize>(
         })
         .filter(|step| step.iter().any(|own| *own != 0))
         .collect();
+    let place_of = |order: &[i32; D]| {
+        let digits = order.iter().rev();
+        digits.fold(0, |place, own| 3 * place + (own + 1) as usize)
+    };
+    let mut numbers = vec![None; 3_usize.pow(D as u32)];
+    for (number, image) in images.iter().enumerate() {
+        if image.order.iter().all(|own| own.abs() <= 1) {
+            numbers[place_of(&image.order)] = Some(number as u8);
+        }
+    }
     let bond = |point: usize, step: &[i64; D]| {
         let (mut end, mut order) = (0, [0; D]);
         for axis in 0..D {
@@ -175,20 +194,15 @@ pub(super) fn grid_families<const D: usize>(
             order[axis] = (place - inside) as i32;
             end += inside as usize * strides[axis];
         }
-        let image = families.images.iter().position(|own| own.order == order)?;
-        Some((end as u32, image as u8))
+        let image = numbers[place_of(&order)]?;
+        Some((end as u32, image))
     };
     let family = |point: usize| {
         let mut bonds: Vec<(u32, u8)> = steps.iter().filter_map(|s| bond(point, s)).collect();
         bonds.sort_unstable();
         bonds
     };
-    Families::of(
-        horizon,
-        families.images.clone(),
-        families.share.clone(),
-        family,
-    )
+    Families::of(horizon, images.clone(), share, family)
 }
 
 /// Larger distance from a point of a grid to its two neighbours along an axis, its own image included, m.

@@ -12,7 +12,7 @@ mod tessellation;
 mod voronoi;
 
 use cells::CellFace;
-pub use cells::{Arm, Cells, cell_faces};
+pub use cells::{Arm, Cells, cell_faces, grid_families, runs_along_axes};
 pub use tessellation::Tessellation;
 
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::cells::{Arm, Cell, Cells, cell_faces, grid_families, grid_reach};
+use super::cells::{Arm, Cell, Cells, cell_faces, grid_families, grid_reach, runs_along_axes};
 use crate::geometry::{Cloud, Families, GeometryError};
 
 /// Families, and the cell of every point that is held here.
@@ -33,7 +33,11 @@ impl<const D: usize> Tessellation<D> {
             let reach = grid_reach(cloud, kind);
             let families = match enough(&families, &reach) {
                 true => families,
-                false => grid_families(cloud, &families, farther(&families, &reach))?,
+                false if !runs_along_axes(cloud) => searched(cloud, &families, &reach)?,
+                false => {
+                    let (images, share) = (families.images.clone(), families.share.clone());
+                    grid_families(cloud, images, share, families.horizon)?
+                }
             };
             return Ok(Self::over(cloud, families, kind));
         }
@@ -91,19 +95,14 @@ fn enough<const D: usize>(families: &Families<D>, reach: &[f64]) -> bool {
     pairs.all(|(reach, horizon)| reach <= horizon)
 }
 
-/// Horizons that reach as far as they should.
-fn farther<const D: usize>(families: &Families<D>, reach: &[f64]) -> Vec<f64> {
-    let pairs = reach.iter().zip(&families.horizon);
-    pairs.map(|(reach, own)| reach.max(*own)).collect()
-}
-
 /// The families, searched anew as far as they should reach.
 fn searched<const D: usize>(
     cloud: &Cloud<D>,
     families: &Families<D>,
     reach: &[f64],
 ) -> Result<Families<D>, GeometryError> {
-    let horizon = farther(families, reach);
+    let pairs = reach.iter().zip(&families.horizon);
+    let horizon: Vec<f64> = pairs.map(|(reach, own)| reach.max(*own)).collect();
     let share = &families.share;
     match share.partition() {
         None => Families::search(cloud, horizon),
