@@ -225,7 +225,7 @@ fn of_scene(loaded: &LoadedScene, processes: usize) -> BTreeSet<String> {
 /// Whether a run was given up because strain lags behind the pressure in a crack whose faces come apart (ADR 32): no rule
 /// on features can tell when they do. The way out that is named must be the scheme that needs no lag.
 fn is_lagging(plan: &Plan, told: &str) -> bool {
-    let lags = plan.scheme.name() != SchemeName::Monolithic && plan.fracture_flow.is_some();
+    let lags = plan.scheme.name() != SchemeName::Monolithic.name() && plan.fracture_flow.is_some();
     lags && told.contains("--scheme monolithic")
 }
 
