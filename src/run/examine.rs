@@ -9,7 +9,7 @@ use crate::report::Timers;
 use crate::schemes;
 
 /// Bytes of families, gradients and matrices up to which a model is built to be examined: a second at most. A grid of
-/// 384,000 flat cells, 70 MB by this count, takes two with its faces.
+/// 384,000 flat cells, which takes two with its faces, is beyond it.
 const MOST_BYTES: u64 = 50_000_000;
 
 /// A plan that a run would begin with.

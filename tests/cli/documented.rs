@@ -85,7 +85,7 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("injection-rate/six", INJECTION),
     ("kgd-toughness", KGD),
     ("kgd-viscosity", KGD),
-    ("kgd-leak-off", KGD),
+    ("kgd-leak-off", &["geometry.spacing=10 cm", "time.end=0.3"]),
     ("breakdown", &["geometry.spacing=6.25 cm"]),
     ("inclined-injection", INCLINED),
     ("inclined-injection/turned", INCLINED),
