@@ -15,7 +15,7 @@ materials.soil = { permeability = "1e-12 m^2", storage = "1e-7 1/Pa" }
 initial_pressure = "1 bar"
 [time]
 end = "100 s"
-max_step = "2 s"
+step = "50 ms"
 "#;
 
 /// Storage of all the soil, m²/Pa: 2 m² of it.
