@@ -180,6 +180,17 @@ pub enum StepError {
         /// Growth that is allowed.
         most: f64,
     },
+    /// Fluid in cracks spreads to points that then do not break, again and again.
+    #[error(
+        "fluid in cracks spreads in the step to t = {time:.6e} s to {points} points that do not break with it; take smaller \
+         steps, or raise damage.iterations"
+    )]
+    Strays {
+        /// Time, s.
+        time: f64,
+        /// Number of such points.
+        points: usize,
+    },
     /// Relaxation ran out of iterations.
     #[error(
         "dynamic relaxation did not settle at t = {time:.6e} s: residual {residual:.1e} after \
@@ -343,6 +354,7 @@ impl StepError {
             StepError::Runs { .. } => Rejection::Growth,
             StepError::NotBroken { .. }
             | StepError::Owed { .. }
+            | StepError::Strays { .. }
             | StepError::CouplingDiverged { .. }
             | StepError::CouplingUnstable { .. }
             | StepError::FractureUnstable { .. } => Rejection::Coupling,

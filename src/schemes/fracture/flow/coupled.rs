@@ -34,9 +34,11 @@ struct Place<const D: usize> {
 }
 
 impl<const D: usize> FractureFlowStep<D> {
-    /// Passes until forces and mass balance at the coefficients that the model has then.
+    /// Passes until forces and mass balance at the coefficients that the model has then, from those of the step's
+    /// start.
     pub(super) fn converge_coupled(
         &mut self,
+        origin: &Model<D>,
         model: &mut Model<D>,
         start: &StepStart<'_>,
         state: &mut State,
@@ -61,7 +63,11 @@ impl<const D: usize> FractureFlowStep<D> {
             report.passes = pass;
             report.residual = Some(here.forces);
             if here.off <= 1.0 {
-                return Ok(());
+                if !self.lets_go(origin, model, start, (state, &here.at.response))? {
+                    return Ok(());
+                }
+                tried = TangentKind::Secant;
+                continue;
             }
             if start.dt > self.cut_above && self.runs(model, start.state, &here.at)? {
                 let (time, most) = (state.time, self.plan.largest_increment);

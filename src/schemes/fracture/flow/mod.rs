@@ -69,6 +69,8 @@ pub struct FractureFlowStep<const D: usize> {
     together: bool,
     /// Whether passes of this step have brought fluid into cracks, which only spreads from then on.
     spreads: bool,
+    /// How often passes of this step let go of points that became wet on their way.
+    returns: usize,
     /// What fractures yield, where fields take turns.
     compliance: Compliance,
     /// Factor of that.
@@ -156,6 +158,7 @@ impl<const D: usize> FractureFlowStep<D> {
             },
             together: together && model.has_crack_content(),
             spreads: false,
+            returns: 0,
             compliance: Compliance::default(),
             relaxation: plan.scheme_options.relaxation,
             demand: plan.fracture_demand(),

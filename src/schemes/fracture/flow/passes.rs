@@ -45,6 +45,8 @@ const STUCK: usize = 8;
 const GIVEN_UP: usize = 100;
 /// Damage, summed over points, that counts as progress of a crack that runs.
 const ADVANCE: f64 = 0.5;
+/// Times that passes of a step end with points wet that are not broken there.
+const RETURNS: usize = 4;
 /// Shortest share of a pass.
 const SHORTEST: f64 = 0.125;
 
@@ -299,17 +301,48 @@ impl<const D: usize> FractureFlowStep<D> {
         state: &mut State,
         report: &mut StepReport,
     ) -> Result<Model<D>, StepError> {
-        let mut model = model.clone();
+        let mut now = model.clone();
+        self.returns = 0;
         match self.together {
-            true => self.converge_coupled(&mut model, start, state, report)?,
-            false => self.converge(&mut model, start, state, report)?,
+            true => self.converge_coupled(model, &mut now, start, state, report)?,
+            false => self.converge(model, &mut now, start, state, report)?,
         }
-        Ok(model)
+        Ok(now)
     }
 
-    /// Passes until forces balance at the coefficients that the model has then.
+    /// Where passes end: lets go of points that became wet on the way there and are not broken there. True if there were
+    /// any, so that passes go on with the fluid where it was at the start of the step and where rock is broken now.
+    ///
+    /// # Errors
+    /// [`StepError::Strays`] if it happens again and again.
+    pub(super) fn lets_go(
+        &mut self,
+        origin: &Model<D>,
+        model: &mut Model<D>,
+        start: &StepStart<'_>,
+        (state, response): (&State, &Response<D>),
+    ) -> Result<bool, StepError> {
+        let pair = model.cracks().zip(origin.cracks());
+        let points = pair.map_or(0, |(now, then)| now.strays(then, &response.damage));
+        if points == 0 {
+            return Ok(false);
+        }
+        self.returns += 1;
+        if self.returns > RETURNS {
+            let time = state.time;
+            return Err(StepError::Strays { time, points });
+        }
+        model.clone_from(origin);
+        let fields = (&state.displacement[..], &state.walls[..]);
+        model.follow_fractures(response, fields, Wetting::at(&start.state.pressure));
+        self.acceleration.forget();
+        Ok(true)
+    }
+
+    /// Passes until forces balance at the coefficients that the model has then, from those of the step's start.
     fn converge(
         &mut self,
+        origin: &Model<D>,
         model: &mut Model<D>,
         start: &StepStart<'_>,
         state: &mut State,
@@ -342,7 +375,11 @@ impl<const D: usize> FractureFlowStep<D> {
             report.passes = pass;
             report.residual = Some(imbalance);
             if imbalance <= self.plan.tolerance && splitting_residual <= watch.allowed() {
-                return Ok(());
+                if !self.lets_go(origin, model, start, (state, &at.response))? {
+                    return Ok(());
+                }
+                found = self.evaluate(model, state)?;
+                continue;
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
                 return Err(StepError::Runs {
