@@ -96,3 +96,27 @@ pub fn extremes(values: &[f64]) -> (f64, f64) {
             (l.min(v), h.max(v))
         })
 }
+
+/// A unit pressure drop over a unit square of unit mobility, with `points` across: the outflow is 1.
+pub fn square(points: usize) -> String {
+    format!(
+        r#"title = "square"
+[geometry]
+type = "lattice"
+size = [1, 1]
+points = [{points}, {points}]
+seed = 3
+[fluid]
+viscosity = 1
+[materials.rock]
+permeability = 1
+storage = 1
+[flow.boundary.left]
+pressure = 1
+[flow.boundary.right]
+pressure = 0
+[time]
+mode = "steady"
+"#
+    )
+}

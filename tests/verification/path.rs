@@ -6,32 +6,13 @@
 
 use perifrac::model::FlowModel;
 
-use crate::support::{flow_model, plan_of, run_text};
-
-const SQUARE: &str = r#"title = "square"
-[geometry]
-type = "lattice"
-size = [1, 1]
-points = [20, 20]
-seed = 3
-[fluid]
-viscosity = 1
-[materials.rock]
-permeability = 1
-storage = 1
-[flow.boundary.left]
-pressure = 1
-[flow.boundary.right]
-pressure = 0
-[time]
-mode = "steady"
-"#;
+use crate::support::{flow_model, plan_of, run_text, square};
 
 const CONTRASTS: [f64; 9] = [1e-12, 1e-8, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e8, 1e12];
 
 /// Flow out on the right of the square with these changes.
 fn outflow(sets: &[&str]) -> f64 {
-    run_text(SQUARE, sets).0.outflow["right"]
+    run_text(&square(20), sets).0.outflow["right"]
 }
 
 fn layer(permeability: f64, region: &str) -> String {
@@ -98,7 +79,7 @@ fn layers_at_thirty_degrees_leave_no_sources() {
         normal[0], normal[1]
     );
     for cloud in ["title=\"lattice\"", "geometry.jitter=0.3"] {
-        let flow: FlowModel<2> = flow_model(&plan_of(SQUARE, &[cloud, &layer(k, &region)]));
+        let flow: FlowModel<2> = flow_model(&plan_of(&square(20), &[cloud, &layer(k, &region)]));
         let cloud = &flow.operator.neighbourhood().cloud;
         let along = |i: usize| {
             let x = &cloud.position[i];
@@ -222,7 +203,7 @@ fn matrices_have_no_positive_entry_beside_the_diagonal() {
         "geometry.points=[20, 11]",
         "geometry.jitter=0.4",
     ] {
-        let flow: FlowModel<2> = flow_model(&plan_of(SQUARE, &[cloud, random]));
+        let flow: FlowModel<2> = flow_model(&plan_of(&square(20), &[cloud, random]));
         for (row, diagonal) in flow.pattern.diagonals() {
             for place in flow.pattern.row(row) {
                 assert!(place == diagonal || flow.conductance[place] <= 0.0);
@@ -238,8 +219,8 @@ fn matrices_have_no_positive_entry_beside_the_diagonal() {
 fn velocities_beside_an_aligned_interface_are_those_of_their_rock() {
     let region = r#"{type="half-plane", point=[0.5, 0], normal=[1, 0]}"#;
     let set = layer(1e4, region);
-    let flow: FlowModel<2> = flow_model(&plan_of(SQUARE, &[&set]));
-    let (summary, state) = run_text(SQUARE, &[&set]);
+    let flow: FlowModel<2> = flow_model(&plan_of(&square(20), &[&set]));
+    let (summary, state) = run_text(&square(20), &[&set]);
     let exact = summary.outflow["right"];
     for velocity in flow.velocity(&state.pressure, 0.0) {
         // Pressures near 1 have 1e-16, and the slope of the good rock is 1e-4.
@@ -247,7 +228,7 @@ fn velocities_beside_an_aligned_interface_are_those_of_their_rock() {
         assert!(velocity[1].abs() < 1e-6 * exact);
     }
     let along = "flow.boundary={bottom={pressure=1}, top={pressure=0}}";
-    let plan = plan_of(SQUARE, &[&set, along]);
+    let plan = plan_of(&square(20), &[&set, along]);
     let flow: FlowModel<2> = flow_model(&plan);
     let cloud = &flow.operator.neighbourhood().cloud;
     let pressure: Vec<f64> = cloud.position.iter().map(|x| 1.0 - x[1]).collect();
@@ -271,8 +252,8 @@ fn uniform_flow_is_exact_beside_flux_sides() {
         .iter()
         .flat_map(|cloud| [[cloud, across], [cloud, along]])
     {
-        let (_, state) = run_text(SQUARE, &sets);
-        let flow: FlowModel<2> = flow_model(&plan_of(SQUARE, &sets));
+        let (_, state) = run_text(&square(20), &sets);
+        let flow: FlowModel<2> = flow_model(&plan_of(&square(20), &sets));
         let position = &flow.operator.neighbourhood().cloud.position;
         for (x, pressure) in position.iter().zip(&state.pressure) {
             assert!(

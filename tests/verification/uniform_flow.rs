@@ -4,27 +4,7 @@ use perifrac::model::{Model, ModelError};
 use perifrac::report::Timers;
 use perifrac::run::Summary;
 
-use crate::support::{flow_model, plan_of, plan_of_variant, run_text};
-
-/// A unit pressure drop over a unit square of unit mobility: the outflow is 1.
-const SQUARE: &str = r#"title = "square"
-[geometry]
-type = "lattice"
-size = [1, 1]
-points = [40, 40]
-seed = 3
-[fluid]
-viscosity = 1
-[materials.rock]
-permeability = 1
-storage = 1
-[flow.boundary.left]
-pressure = 1
-[flow.boundary.right]
-pressure = 0
-[time]
-mode = "steady"
-"#;
+use crate::support::{flow_model, plan_of, plan_of_variant, run_text, square};
 
 /// The percentage in the warning about a uniform flow.
 fn warned(summary: &Summary) -> Option<f64> {
@@ -35,7 +15,7 @@ fn warned(summary: &Summary) -> Option<f64> {
 
 #[test]
 fn the_bond_operator_tells_how_far_a_uniform_flow_is_off() {
-    let run = |sets: &[&str]| run_text(SQUARE, &[&["flow.operator=bond"], sets].concat()).0;
+    let run = |sets: &[&str]| run_text(&square(40), &[&["flow.operator=bond"], sets].concat()).0;
     let blocks = r#"geometry={type="blocks", size=[1, 1], spacing=0.05, refine=[{levels=2, region={type="box", min=[0, 0], max=[0.3, 1]}}]}"#;
     for sets in [
         &["geometry.jitter=0.1"][..],
@@ -68,7 +48,7 @@ fn flux_sides_are_no_error_of_the_bond_operator() {
         "flow.boundary={left={pressure=1}, right={flux=1}}",
         "flow.boundary={left={pressure=1}, top={flux=1}}",
     ] {
-        let (summary, _) = run_text(SQUARE, &["flow.operator=bond", set]);
+        let (summary, _) = run_text(&square(40), &["flow.operator=bond", set]);
         assert_eq!(warned(&summary), None, "{set}");
     }
 }
@@ -80,7 +60,7 @@ fn the_bond_operator_is_refused_where_a_uniform_flow_is_a_tenth_off() {
         "geometry.jitter=0.4",
         "horizon.ratio=1.6",
     ];
-    let built = Model::<2>::build(&plan_of(SQUARE, &sets), &mut Timers::default());
+    let built = Model::<2>::build(&plan_of(&square(40), &sets), &mut Timers::default());
     let Err(ModelError::InconsistentBonds { error, .. }) = built else {
         panic!("not refused");
     };
@@ -91,7 +71,7 @@ fn the_bond_operator_is_refused_where_a_uniform_flow_is_a_tenth_off() {
 fn the_default_operator_is_path_unless_a_gradient_is_named() {
     let layer = r#"{type="box", min=[0, 0], max=[1, 0.5]}"#;
     let with = format!("materials.layer={{permeability=1e-4, storage=1, region={layer}}}");
-    let operator = |sets: &[&str]| run_text(SQUARE, sets).0.operator;
+    let operator = |sets: &[&str]| run_text(&square(40), sets).0.operator;
     assert_eq!(operator(&[]), "path");
     assert_eq!(operator(&[&with]), "path");
     assert_eq!(operator(&["geometry.jitter=0.2"]), "path");
@@ -116,7 +96,7 @@ fn with_flow_in_fractures_the_default_operator_follows_the_contrast_of_the_point
 fn the_correspondence_operator_across_layers_is_warned_of() {
     let layer = r#"materials.layer={permeability=1e-4, storage=1, region={type="box", min=[0, 0], max=[1, 0.5]}}"#;
     let doubts = |operator: &str| {
-        let (summary, _) = run_text(SQUARE, &[layer, &format!("flow.operator={operator}")]);
+        let (summary, _) = run_text(&square(40), &[layer, &format!("flow.operator={operator}")]);
         summary
             .warnings
             .iter()
@@ -134,7 +114,7 @@ fn the_correspondence_operator_across_layers_is_warned_of() {
 fn flow_across_horizontal_layers_is_right_by_default() {
     let layer = r#"materials.clay={permeability=1e-4, storage=1, region={type="box", min=[0, 0], max=[1, 0.5]}}"#;
     let upward = "flow.boundary={bottom={pressure=1}, top={pressure=0}}";
-    let (summary, _) = run_text(SQUARE, &[layer, upward]);
+    let (summary, _) = run_text(&square(40), &[layer, upward]);
     let exact = 2.0 / (1.0 + 1e4);
     let error = (summary.outflow["top"] / exact - 1.0).abs();
     assert!(error < 1e-12, "{error:e}");
