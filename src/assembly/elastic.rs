@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::Pattern;
 use super::scalar::by_rows;
 use crate::geometry::{Matrix, Vector};
-use crate::operators::{Elastic, Lame};
+use crate::operators::{Elastic, Lame, Layers};
 
 thread_local! {
     /// Column → place in the current row of points; one per thread.
@@ -29,13 +29,16 @@ pub trait Moduli<const D: usize>: Sync {
     }
 }
 
-/// Isotropic elasticity.
+/// Linear elasticity: isotropic, or that of layers.
 struct Isotropic<'a, const D: usize>(&'a Elastic<D>);
 
 impl<const D: usize> Moduli<D> for Isotropic<'_, D> {
     fn stresses(&self, owner: usize, weight: &Vector<D>) -> [Matrix<D>; D] {
-        let Lame { lambda, mu } = self.0.lame[owner];
         let scaled = weight * self.0.around.cloud.volume[owner];
+        if let Some(layers) = self.0.layers(owner) {
+            return std::array::from_fn(|axis| layers.stress(&unit_strain(axis, &scaled)));
+        }
+        let Lame { lambda, mu } = self.0.lame[owner];
         std::array::from_fn(|axis| {
             let mut stress = Matrix::identity() * (lambda * scaled[axis]);
             for k in 0..D {
@@ -45,6 +48,16 @@ impl<const D: usize> Moduli<D> for Isotropic<'_, D> {
             stress
         })
     }
+}
+
+/// Strain of the displacement gradient e_axis ⊗ `weight`.
+fn unit_strain<const D: usize>(axis: usize, weight: &Vector<D>) -> Matrix<D> {
+    let mut strain = Matrix::zeros();
+    for k in 0..D {
+        strain[(axis, k)] += 0.5 * weight[k];
+        strain[(k, axis)] += 0.5 * weight[k];
+    }
+    strain
 }
 
 /// Fills `values` with the stiffness matrix K of `elastic`.
@@ -107,7 +120,7 @@ struct Row<'a, const D: usize, M> {
 }
 
 /// How the row's point enters the family of `owner`.
-struct Subdomain<const D: usize> {
+struct Subdomain<'a, const D: usize> {
     owner: usize,
     /// Weight in the strain of the family.
     strain: Vector<D>,
@@ -116,9 +129,41 @@ struct Subdomain<const D: usize> {
     /// Force in the outer product, N.
     drive: Vector<D>,
     sign: Vector<D>,
+    layered: Option<LayeredShare<'a, D>>,
 }
 
-impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
+/// How the row's point enters the hourglass energy of a family with layers.
+struct LayeredShare<'a, const D: usize> {
+    layers: Layers<'a, D>,
+    /// h of the family.
+    stiffness: f64,
+    /// h ω V A of the bond of the row's point, or minus the sum of all for the owner.
+    lever: [Matrix<D>; D],
+    /// h Σ ω V AᵀA for the weight of the row's point in the gradient.
+    squares: [Matrix<D>; D],
+}
+
+impl<const D: usize> LayeredShare<'_, D> {
+    /// Minus what the bond at `place` adds to the stiffness beyond its own spring.
+    fn rest(
+        &self,
+        elastic: &Elastic<D>,
+        share: &Subdomain<'_, D>,
+        (place, bond): (usize, usize),
+    ) -> Matrix<D> {
+        let weight = &elastic.gradient.weight[bond];
+        let xi = elastic.around.bond_vector(share.owner, bond);
+        let lever = self.layers.lever(place, &xi);
+        let stretch = self.stiffness * elastic.around.measure[bond];
+        Matrix::from_fn(|a, b| {
+            let forward = (self.lever[a] - self.squares[a]).row(b).transpose();
+            let back = lever[b].row(a).transpose();
+            forward.dot(weight) + stretch * back.dot(&share.strain)
+        })
+    }
+}
+
+impl<'a, const D: usize, M: Moduli<D>> Row<'a, D, M> {
     /// The point as the owner of its family, with minus the sum of all bonds.
     fn own(&mut self, point: usize) {
         let elastic = self.elastic;
@@ -134,6 +179,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
         }
         let sign = Vector::repeat(1.0);
         let drive = self.moduli.drive(point);
+        let layered = self.layered(point, stiffness, &strain, None);
         self.couple(&Subdomain {
             owner: point,
             strain,
@@ -142,6 +188,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
                 -forces.iter().sum::<Vector<D>>()
             }),
             sign,
+            layered,
         });
     }
 
@@ -160,7 +207,42 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
             hourglass: elastic.around.bond_vector(owner, bond) * own,
             drive: drive.map_or_else(Vector::zeros, |(_, forces)| forces[bond - first]),
             sign,
+            layered: self.layered(owner, stiffness, &elastic.gradient.weight[bond], Some(bond)),
         });
+    }
+
+    /// The layers of a family for the point at the end of `bond`, or for its owner.
+    fn layered(
+        &self,
+        owner: usize,
+        stiffness: f64,
+        weight: &Vector<D>,
+        bond: Option<usize>,
+    ) -> Option<LayeredShare<'a, D>> {
+        let elastic = self.elastic;
+        let layers = elastic.layers(owner)?;
+        let family = elastic.around.families.family(owner);
+        let lever = |bond: usize| {
+            let xi = elastic.around.bond_vector(owner, bond);
+            let scale = stiffness * elastic.around.measure[bond];
+            (layers.lever(bond - family.start, &xi)).map(|own| own * scale)
+        };
+        let lever = match bond {
+            Some(bond) => lever(bond),
+            None => family
+                .clone()
+                .map(lever)
+                .fold([Matrix::zeros(); D], |sum, own| {
+                    std::array::from_fn(|axis| sum[axis] - own[axis])
+                }),
+        };
+        let squares = layers.squares(weight).map(|own| own * stiffness);
+        Some(LayeredShare {
+            layers,
+            stiffness,
+            lever,
+            squares,
+        })
     }
 
     /// Adds the diagonal part of the hourglass energy of one bond to a row with weights `row`.
@@ -182,7 +264,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
     }
 
     /// Adds what couples the row's point to all points of one family.
-    fn couple(&mut self, share: &Subdomain<D>) {
+    fn couple(&mut self, share: &Subdomain<'_, D>) {
         let elastic = self.elastic;
         let families = &elastic.around.families;
         let stresses = self.moduli.stresses(share.owner, &share.strain);
@@ -192,7 +274,10 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
         for (k, bond) in families.family(share.owner).enumerate() {
             let weight = &elastic.gradient.weight[bond];
             let softened = drive.map(|(factor, forces)| forces[k] * factor);
-            let rest = share.hourglass.dot(&plain.weight[bond]);
+            let rest = match &share.layered {
+                None => Matrix::identity() * share.hourglass.dot(&plain.weight[bond]),
+                Some(layered) => layered.rest(elastic, share, (k, bond)),
+            };
             let place = self.place[families.neighbour(bond)] as usize;
             let sign = elastic.signs(bond);
             for a in 0..D {
@@ -202,11 +287,7 @@ impl<const D: usize, M: Moduli<D>> Row<'_, D, M> {
                     traction += softened * share.drive[a];
                 }
                 for b in 0..D {
-                    let mut entry = traction[b];
-                    if a == b {
-                        entry -= rest;
-                    }
-                    entry *= share.sign[a];
+                    let entry = (traction[b] - rest[(a, b)]) * share.sign[a];
                     row[b] += entry * sign[b];
                     own[a][b] -= entry;
                 }

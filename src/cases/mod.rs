@@ -74,6 +74,10 @@ pub const CASES: &[Case] = &[
         "a strip footing on a nearly undrained layer: the pressure-oscillation trap"
     ),
     case!(
+        "layers-stiffness",
+        "two stiffnesses in series: the stress does not know of the interface"
+    ),
+    case!(
         "sneddon",
         "a crack opened by pressure, against Sneddon's solution"
     ),

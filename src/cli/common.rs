@@ -332,12 +332,12 @@ impl Planned {
                         _ => None,
                     })
             }
-            ModelError::Points { .. } | ModelError::UnknownMaterial { .. } => {
-                match &scene.geometry.value {
-                    scene::Geometry::File(file) => Some(file.path.span),
-                    _ => Some(scene.geometry.span),
-                }
-            }
+            ModelError::Points { .. }
+            | ModelError::UnknownMaterial { .. }
+            | ModelError::UntoldMaterial { .. } => match &scene.geometry.value {
+                scene::Geometry::File(file) => Some(file.path.span),
+                _ => Some(scene.geometry.span),
+            },
             ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
             ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
             ModelError::Effect(EffectError::EmptyInjection { name, .. }) => {

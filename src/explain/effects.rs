@@ -189,10 +189,23 @@ pub(super) fn operator(sample: &Sample) -> Option<Reason> {
 }
 
 /// The elastic operator.
-pub(super) fn elasticity(sample: &Sample) -> Option<Reason> {
-    let gradient = gradient(sample.solid.as_ref()?.corrected);
-    Some(reason("elastic", format!("two hops{gradient}")))
+pub(super) fn elasticity(plan: &Plan, sample: &Sample) -> Option<Reason> {
+    let solid = sample.solid.as_ref()?;
+    let gradient = gradient(solid.corrected);
+    let layers = plan.mechanics.as_ref()?.layers;
+    let interfaces = match solid.contrast > VARIES {
+        false => String::new(),
+        true if layers => "; layers in families whose moduli vary".into(),
+        true => format!(
+            "; moduli of points, which vary by a factor of {:.3}: stresses beside interfaces do not converge",
+            solid.contrast
+        ),
+    };
+    Some(reason("elastic", format!("two hops{gradient}{interfaces}")))
 }
+
+/// Contrast of shear moduli from which families have layers.
+const VARIES: f64 = 1.01;
 
 fn gradient(corrected: bool) -> &'static str {
     if corrected {

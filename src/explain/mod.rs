@@ -166,7 +166,7 @@ pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
         materials: names.zip(sample.per_material.iter().copied()).collect(),
         effects: effects::effects(plan),
         operator: effects::operator(&sample),
-        elasticity: effects::elasticity(&sample),
+        elasticity: effects::elasticity(plan, &sample),
         scheme: scheme::scheme(plan),
         bonds: (bonds * sample.points as f64) as u64,
         nonzeros: held.map(|matrix| matrix.nonzeros).sum(),

@@ -1,11 +1,13 @@
 //! What points are made of: elasticity, damage, storage and permeability.
 
+mod backus;
 mod damage;
 mod eigen;
 mod elasticity;
 mod random_field;
 mod storage;
 
+pub use backus::Backus;
 pub use damage::{
     CrackPlane, DamageLaw, DamageModel, EnergySplit, Exponent, HourglassRule, PointResponse,
     PointState, Tangent, TangentKind,

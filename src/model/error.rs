@@ -115,6 +115,17 @@ pub enum ModelError {
         /// Name of the material.
         material: String,
     },
+    /// A points file does not tell which of several materials without a region its points are of.
+    #[error(
+        "neither \"{first}\" nor \"{second}\" has a region, and the points file has no column `material`; add the \
+         column, or give one of them a region"
+    )]
+    UntoldMaterial {
+        /// A material without a region.
+        first: String,
+        /// Another one.
+        second: String,
+    },
     /// A region with prescribed pressure holds no point.
     #[error("flow.regions #{number} holds no point; enlarge it or refine the cloud")]
     EmptyPressureRegion {

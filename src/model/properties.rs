@@ -162,6 +162,11 @@ fn by_name(plan: &Plan, names: &[String]) -> Result<Vec<u16>, ModelError> {
 }
 
 fn by_region<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<Vec<u16>, ModelError> {
+    let mut everywhere = plan.materials.iter().filter(|m| m.region.is_none());
+    if let (Some(first), Some(second)) = (everywhere.next(), everywhere.next()) {
+        let (first, second) = (first.name.clone(), second.name.clone());
+        return Err(ModelError::UntoldMaterial { first, second });
+    }
     let background = plan.materials.iter().position(|m| m.region.is_none());
     let mut material = vec![background.map_or(NONE, |k| k as u16); cloud.len()];
     for (number, plan) in plan.materials.iter().enumerate() {

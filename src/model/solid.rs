@@ -25,6 +25,7 @@ use crate::report::Timers;
 use super::ModelError;
 use super::bands::Bands;
 use super::in_situ::InSitu;
+use super::interfaces::Interfaces;
 use super::properties::Properties;
 
 /// Operators, loads and walls of the mechanical problem.
@@ -138,8 +139,23 @@ impl<const D: usize> SolidModel<D> {
                 .collect(),
             false => Vec::new(),
         };
+        let interfaces = Interfaces {
+            plan,
+            cloud,
+            families: &around.families,
+            material: &points.material,
+        };
+        let layers = || super::laminate::build(&interfaces, &around, gradient.as_ref(), &lame);
+        let laminate = mechanics.layers.then(layers).flatten();
+        let (laminate, weights) =
+            laminate.map_or((None, None), |(own, weights)| (Some(own), weights));
+        let gradient = gradient.or(weights);
+        let mut elastic = Elastic::new(around, gradient, extension, lame, mechanics.hourglass);
+        if let Some(laminate) = laminate {
+            elastic = elastic.with_layers(laminate);
+        }
         Ok(SolidModel {
-            elastic: Elastic::new(around, gradient, extension, lame, mechanics.hourglass),
+            elastic,
             points: Pattern {
                 offsets: vec![0],
                 columns: Vec::new(),

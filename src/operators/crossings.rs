@@ -54,7 +54,7 @@ impl Crossings {
             .enumerate()
             .flat_map_iter(|(number, owner)| {
                 let mut parts = Vec::new();
-                along(around, *owner as usize, |bond, (point, image), share| {
+                cells_along(around, *owner as usize, |bond, (point, image), share| {
                     if cell[point] != u32::MAX {
                         parts.push(Crossing {
                             cell: cell[point],
@@ -73,7 +73,7 @@ impl Crossings {
 }
 
 /// Calls `visit(bond, (point, image), share)` for the cells along the bonds of a family.
-fn along<const D: usize>(
+pub fn cells_along<const D: usize>(
     around: &Neighbourhood<D>,
     owner: usize,
     mut visit: impl FnMut(usize, (usize, u8), f64),

@@ -6,13 +6,14 @@
 //!   ½ V_i C:ε:ε + ½ h_i Σ_b ω V_j |d_b − H ξ_b|²,  h_i = 2 c μ_i V_i / m_i,
 //!
 //! where ε is the symmetric part of Σ_b d_b ⊗ w_b with the weights w of the strain gradient, and H
-//! the plain gradient. Adding up the families gives a symmetric matrix (Eq. 2).
+//! the plain gradient. Adding up the families gives a symmetric matrix (Eq. 2). Families in which moduli vary
+//! have the energy of [`Laminate`] instead.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Gradient, MirrorContinuation, Neighbourhood};
+use super::{Gradient, Laminate, Layers, MirrorContinuation, Neighbourhood};
 use crate::geometry::{Matrix, Vector};
 use crate::material::Lame;
 use crate::parallel::{TASK, by_ranges};
@@ -31,6 +32,7 @@ pub struct Elastic<const D: usize> {
     plain: Arc<Gradient<D>>,
     /// h per point, N/m⁴ in 3-D.
     hourglass: Vec<f64>,
+    laminate: Option<Laminate<D>>,
 }
 
 impl<const D: usize> Elastic<D> {
@@ -53,7 +55,54 @@ impl<const D: usize> Elastic<D> {
             extension,
             lame,
             plain,
+            laminate: None,
         }
+    }
+
+    /// The same with layers in some families; their hourglass modulus is that of shear across the layers.
+    #[must_use]
+    pub fn with_layers(mut self, laminate: Laminate<D>) -> Self {
+        for owner in 0..self.points() {
+            if let Some(layers) = laminate.of(owner) {
+                let softer = (layers.means.shear_compliance * self.lame[owner].mu).recip();
+                self.hourglass[owner] *= softer;
+            }
+        }
+        self.laminate = Some(laminate);
+        self
+    }
+
+    /// The layers of a point's family, if moduli vary in it.
+    pub fn layers(&self, owner: usize) -> Option<Layers<'_, D>> {
+        self.laminate.as_ref()?.of(owner)
+    }
+
+    /// Number of families with layers.
+    pub fn layered(&self) -> usize {
+        self.laminate.as_ref().map_or(0, Laminate::len)
+    }
+
+    /// Stress of the family of a point, Pa: the derivative of its energy.
+    pub fn stress(&self, owner: usize, strain: &Matrix<D>) -> Matrix<D> {
+        match self.layers(owner) {
+            None => self.lame[owner].stress(strain),
+            Some(layers) => layers.stress(strain),
+        }
+    }
+
+    /// Stress at a point, in its own rock, and across the plane of plane strain, Pa.
+    pub fn stress_at(&self, owner: usize, strain: &Matrix<D>) -> (Matrix<D>, f64) {
+        let lame = self.lame[owner];
+        match self.layers(owner) {
+            None => (lame.stress(strain), lame.lambda * strain.trace()),
+            Some(layers) => layers.stress_in(lame, strain),
+        }
+    }
+
+    /// Modulus of uniaxial strain, Pa; the largest one of a family with layers.
+    pub fn stiffest(&self, owner: usize) -> f64 {
+        let own = self.lame[owner].lambda + 2.0 * self.lame[owner].mu;
+        (self.layers(owner)).map_or(own, |layers| own.max(layers.means.stiffest()))
     }
 
     /// Multiplies the stiffness of one point, hourglass included; refill what was assembled from it.
@@ -102,7 +151,7 @@ impl<const D: usize> Elastic<D> {
         &self,
         difference: impl Fn(usize, usize) -> Vector<D> + Sync,
     ) -> Vec<Vector<D>> {
-        let response = |owner: usize, strain: &Matrix<D>| (self.lame[owner].stress(strain), 1.0);
+        let response = |owner: usize, strain: &Matrix<D>| (self.stress(owner, strain), 1.0);
         self.bond_forces_of(difference, response)
     }
 
@@ -143,6 +192,9 @@ impl<const D: usize> Elastic<D> {
             *own = difference(bond);
             slope += *own * self.gradient.weight[bond].transpose();
         }
+        if let Some(layers) = self.layers(owner) {
+            return self.layered_response(owner, layers, &slope, response, forces);
+        }
         match Arc::ptr_eq(&self.gradient, &self.plain) {
             true => plain = slope,
             false => {
@@ -163,6 +215,35 @@ impl<const D: usize> Elastic<D> {
         for (bond, own) in family.zip(forces) {
             let held = *own * (hourglass * around.measure[bond]);
             *own = stress * self.gradient.weight[bond] + held;
+        }
+        hourglass_energy
+    }
+
+    /// The same for a family with layers, whose bond differences are in `forces`.
+    fn layered_response(
+        &self,
+        owner: usize,
+        layers: Layers<'_, D>,
+        slope: &Matrix<D>,
+        response: impl FnOnce(&Matrix<D>, f64) -> (Matrix<D>, f64),
+        forces: &mut [Vector<D>],
+    ) -> f64 {
+        let around = &self.around;
+        let family = around.families.family(owner);
+        let (mut squares, mut pull) = (0.0, Matrix::zeros());
+        for (place, (bond, own)) in family.clone().zip(&mut *forces).enumerate() {
+            let xi = around.bond_vector(owner, bond);
+            *own -= layers.stretch(place, &xi, slope);
+            squares += around.measure[bond] * own.norm_squared();
+            *own *= around.measure[bond];
+            pull += layers.pull(place, &xi, own);
+        }
+        let hourglass_energy = 0.5 * self.hourglass[owner] * squares;
+        let (stress, factor) = response(&((slope + slope.transpose()) * 0.5), hourglass_energy);
+        let hourglass = self.hourglass[owner] * factor;
+        let total = stress * around.cloud.volume[owner] - pull * hourglass;
+        for (bond, own) in family.zip(forces) {
+            *own = total * self.gradient.weight[bond] + *own * hourglass;
         }
         hourglass_energy
     }
@@ -201,7 +282,8 @@ impl<const D: usize> Elastic<D> {
     pub fn bytes(&self) -> usize {
         let shared = Arc::ptr_eq(&self.plain, &self.gradient);
         let gradients = if shared { 1 } else { 2 } * self.plain.bytes();
-        gradients + 8 * self.hourglass.len() + size_of::<Lame>() * self.lame.len()
+        let layers = self.laminate.as_ref().map_or(0, Laminate::bytes);
+        gradients + layers + 8 * self.hourglass.len() + size_of::<Lame>() * self.lame.len()
     }
 }
 

@@ -20,12 +20,13 @@ mod faces;
 mod family_width;
 mod gradient;
 mod hourglass;
+mod laminate;
 mod neighbourhood;
 mod path;
 
 pub use bond_conductance::BondConductance;
 pub use correspondence::Correspondence;
-pub use crossings::Crossings;
+pub use crossings::{Crossings, cells_along};
 pub use damage::{Damage, DamageFields, Response};
 pub use divergence::Divergence;
 pub use elastic::{Elastic, point_value};
@@ -34,6 +35,7 @@ pub use faces::face_areas;
 pub use family_width::{BandLaw, FamilyWidths, WholeFamily, WidthRange};
 pub use gradient::{Gradient, column_sums, family_gradient};
 pub use hourglass::Hourglass;
+pub use laminate::{Laminate, Layered, Layers};
 pub use neighbourhood::Neighbourhood;
 pub use path::{Arm, Cells, Path, Tessellation, cell_faces, grid_families, runs_along_axes};
 

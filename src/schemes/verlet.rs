@@ -127,7 +127,6 @@ impl Verlet {
 fn wave_limit<const D: usize>(model: &Model<D>, solid: &SolidModel<D>) -> StepLimit {
     let cloud = &model.cloud;
     let step = |point: usize| {
-        let lame = solid.elastic.lame[point];
         let fluid = match (&model.coupling, &model.flow) {
             (Some(coupling), Some(flow)) => {
                 coupling.divergence.weight[point].powi(2)
@@ -135,7 +134,7 @@ fn wave_limit<const D: usize>(model: &Model<D>, solid: &SolidModel<D>) -> StepLi
             }
             _ => 0.0,
         };
-        let modulus = lame.lambda + 2.0 * lame.mu + fluid;
+        let modulus = solid.elastic.stiffest(point) + fluid;
         let density = solid.mass[point] / cloud.volume[point];
         SHARE * cloud.spacing(point) * (density / modulus).sqrt()
     };

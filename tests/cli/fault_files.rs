@@ -122,6 +122,26 @@ error: the points file names the material "clay", which the scene does not defin
             ..FAULT
         },
         Fault {
+            name: "materials that the file does not tell apart",
+            change: &[
+                POINTS[0],
+                POINTS[1],
+                POINTS[2],
+                POINTS[3],
+                FEW,
+                ("[fluid]", "[materials.clay]\npermeability = 1\n[fluid]"),
+            ],
+            files: &[("points.csv", b"x,y,volume\n0,0,1\n1,0,1\n0,1,1\n")],
+            stderr: r#"
+error: neither "rock" nor "clay" has a region, and the points file has no column `material`; add the column, or give one of them a region
+ --> scene.toml:4:8
+  |
+4 | path = "points.csv"
+  |        ^^^^^^^^^^^^
+"#,
+            ..FAULT
+        },
+        Fault {
             name: "a point outside the bounds",
             change: &POINTS_IN_BOUNDS,
             files: &[("points.csv", b"x,y,volume\n0.25,0.5,0.5\n1.75,0.5,0.5\n")],

@@ -18,6 +18,7 @@ const CASES: [&str; 27] = [
     "column-3d",
     "mandel",
     "footing",
+    "layers-stiffness",
     "sneddon",
     "notched-tension",
     "notched-shear",

@@ -16,6 +16,7 @@ mod five_spot;
 mod gravity;
 mod incompressible;
 mod initial;
+mod laminate;
 mod mechanics;
 mod operators;
 mod output;

@@ -12,6 +12,8 @@ pub struct MechanicsPlan {
     pub hourglass: f64,
     /// Which gradient the displacement gets.
     pub gradient: GradientChoice,
+    /// Whether families have layers where moduli vary within them.
+    pub layers: bool,
     /// Force per volume in addition to gravity, N/m³, one component per axis.
     pub body_force: Option<Vec<f64>>,
     /// What holds on the sides: six entries, in the order of [`Side::index`].

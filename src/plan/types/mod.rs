@@ -12,7 +12,8 @@ use std::path::PathBuf;
 use perifrac_solvers::SolverSpec;
 
 pub use crate::scene::{
-    Gradient as GradientChoice, Mode as TimeMode, Operator as OperatorChoice, ReferenceKind,
+    Gradient as GradientChoice, Interfaces as InterfaceChoice, Mode as TimeMode,
+    Operator as OperatorChoice, ReferenceKind,
 };
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{

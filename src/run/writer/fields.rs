@@ -141,11 +141,11 @@ fn of_solid<'a, const D: usize>(
     let initial = |point: usize| (solid.initial_components.get(point)).map_or([0.0; 6], |own| *own);
     let slopes = solid.slopes(&state.displacement, &state.walls);
     let stress: Vec<f64> = match &solid.damage {
-        None => slopes
-            .iter()
-            .zip(&solid.elastic.lame)
-            .enumerate()
-            .flat_map(|(point, (slope, lame))| stress(*lame, slope, &initial(point)))
+        None => (slopes.iter().enumerate())
+            .flat_map(|(point, slope)| {
+                let strain = (slope + slope.transpose()) * 0.5;
+                components(solid.elastic.stress_at(point, &strain), &initial(point))
+            })
             .collect(),
         Some(damage) => (slopes.iter().enumerate())
             .flat_map(|(point, slope)| {
@@ -209,10 +209,17 @@ fn damaged_stress<const D: usize>(
 /// In plane strain zz is λ tr(ε), and yz and xz are those of σ⁰.
 fn stress<const D: usize>(lame: Lame, slope: &Matrix<D>, initial: &[f64; 6]) -> [f64; 6] {
     let strain = (slope + slope.transpose()) * 0.5;
-    let elastic = lame.stress(&strain);
+    components(
+        (lame.stress(&strain), lame.lambda * strain.trace()),
+        initial,
+    )
+}
+
+/// Components of a stress in the plane and across it, on top of those of σ⁰.
+fn components<const D: usize>((stress, across): (Matrix<D>, f64), initial: &[f64; 6]) -> [f64; 6] {
     let component = |(a, b): (usize, usize)| match a.max(b) < D {
-        true => elastic[(a, b)],
-        false if a == b => lame.lambda * strain.trace(),
+        true => stress[(a, b)],
+        false if a == b => across,
         false => 0.0,
     };
     std::array::from_fn(|k| component(TENSOR[k]) + initial[k])

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::geometry::Geometry;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{
     Density, FractureEnergy, InversePressure, Length, Number, Permeability, Pressure,
@@ -166,8 +167,10 @@ impl Section for Named<Material> {
             let message = format!("at most {MOST_MATERIALS} materials, found {}", self.len());
             report.add(Diagnostic::new(message).at(place));
         }
+        // A file may tell the material of every point.
+        let told = matches!(scene.sound(&scene.draft.geometry), Some(Geometry::File(_)));
         let mut background = self.iter().filter(|entry| entry.value.region.is_none());
-        if let Some(first) = background.next() {
+        if let Some(first) = background.next().filter(|_| !told) {
             for second in background {
                 let fault = Diagnostic::new("only one material can go without a `region`");
                 let fault = fault.at(second.span).also(first.span, "has none either");

@@ -24,6 +24,8 @@ pub struct Mechanics {
     pub hourglass: Number,
     /// Gradient of the displacement.
     pub gradient: Spanned<Gradient>,
+    /// What families make of moduli that vary within them.
+    pub interfaces: Spanned<Interfaces>,
     /// Force per volume on all points, N/m³, in addition to gravity.
     pub body_force: Option<Spanned<Vec<ForceDensity>>>,
     /// Effective stress before the run, uniform: short for `initial.stress`.
@@ -51,12 +53,26 @@ impl Default for Mechanics {
             mode: Spanned::default(),
             hourglass: Number::si(1.0),
             gradient: Spanned::default(),
+            interfaces: Spanned::default(),
             body_force: None,
             initial_stress: None,
             boundary: Boundary::default(),
             loads: Named::default(),
         }
     }
+}
+
+/// What a family makes of moduli that vary within it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interfaces {
+    /// Layers, where rock does not break.
+    #[default]
+    Auto,
+    /// Layers: tractions across them are the same, the strain across them jumps.
+    Laminate,
+    /// The moduli of its point.
+    Pointwise,
 }
 
 /// Whether mass resists.
@@ -189,6 +205,11 @@ impl Section for Mechanics {
         }
         if let Some(stress) = &self.initial_stress {
             stress.check_plane(scene, report);
+        }
+        if self.interfaces.value == Interfaces::Laminate && scene.has(&scene.draft.damage) {
+            let message = "rock that breaks has the moduli of its points, not those of layers";
+            let fault = Diagnostic::new(message).at(self.interfaces.span);
+            report.add(fault.help("leave `interfaces` out, or leave out [damage]"));
         }
         for (side, support) in self.boundary.iter() {
             check_side(side, support.span, scene, report);

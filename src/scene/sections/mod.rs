@@ -44,7 +44,7 @@ pub use initial::{Initial, InitialPressure, StressGradient, StressKind, StressRe
 pub use materials::{
     Distribution, Material, PermeabilityDistribution, PermeabilityField, PermeabilityFile, Storage,
 };
-pub use mechanics::{InitialStress, Mechanics, Motion, Support, TractionLoad};
+pub use mechanics::{InitialStress, Interfaces, Mechanics, Motion, Support, TractionLoad};
 pub use output::{Output, Probe, Profile};
 pub use reference::{Reference, ReferenceKind};
 pub use scheme::{Acceleration, Scheme, SchemeName, SolidMethod};
