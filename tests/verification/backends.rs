@@ -47,6 +47,7 @@ const CASES: [(&str, &[&str]); 14] = [
     ("column-3d", &["geometry.spacing=0.2", "time.step=5"]),
     ("mandel", &["time.step=0.1"]),
     ("footing", &["geometry.spacing=0.4", "time.step=2e5"]),
+    ("layers-stiffness", &[]),
     ("sneddon", &["geometry.spacing=0.025"]),
     (
         "manufactured",
