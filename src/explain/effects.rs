@@ -192,7 +192,7 @@ pub(super) fn operator(sample: &Sample) -> Option<Reason> {
 pub(super) fn elasticity(plan: &Plan, sample: &Sample) -> Option<Reason> {
     let solid = sample.solid.as_ref()?;
     let gradient = gradient(solid.corrected);
-    let layers = plan.mechanics.as_ref()?.layers;
+    let layers = plan.mechanics.as_ref()?.has_layers(plan.damage.is_some());
     let interfaces = match solid.contrast > VARIES {
         false => String::new(),
         true if layers => "; layers in families whose moduli vary".into(),

@@ -146,7 +146,7 @@ impl<const D: usize> SolidModel<D> {
             material: &points.material,
         };
         let layers = || super::laminate::build(&interfaces, &around, gradient.as_ref(), &lame);
-        let laminate = mechanics.layers.then(layers).flatten();
+        let laminate = (mechanics.has_layers(plan.damage.is_some()).then(layers)).flatten();
         let (laminate, weights) =
             laminate.map_or((None, None), |(own, weights)| (Some(own), weights));
         let gradient = gradient.or(weights);

@@ -55,7 +55,7 @@ fn passes_that_run_in_circles_are_shortened_until_they_meet() {
                 "geometry.spacing=0.04",
                 "damage.length_scale=0.12",
                 "damage.largest_increment=0.6",
-                "time.end=0.2",
+                "time.end=0.1",
                 "time.first_step=0.02",
                 "time.max_step=0.2",
                 // Steps as large as these are what it takes.

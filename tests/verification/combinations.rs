@@ -84,6 +84,7 @@ const WORDS: [(Feature, &str); 16] = [
         Feature::ConsistentGradient,
         "mechanics.gradient=divergence-consistent",
     ),
+    (Feature::Layers, "mechanics.interfaces=laminate"),
     (Feature::Stabilisation, "coupling.stabilisation=0.5"),
     (Feature::Damage, "damage.length_scale=0.5"),
     (Feature::FractureFlow, "fracture_flow.aperture=normal"),

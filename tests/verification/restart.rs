@@ -280,11 +280,7 @@ fn a_run_that_was_stopped_goes_on_to_the_same_bits() {
 }
 
 /// Cases whose schemes and effects others have as well, and smaller.
-const ALIKE: &[&str] = &[
-    "reservoir-3d",
-    "terzaghi-graded",
-    "column-3d",
-];
+const ALIKE: &[&str] = &["reservoir-3d", "terzaghi-graded", "column-3d"];
 
 /// Every second sound step is computed, thrown away and computed again: the state that it starts from, and all
 /// that schemes and solvers remember, must be untouched to the last bit.

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::plan::types::{
-    CrackKind, GradientChoice, Integrator, OperatorChoice, Plan, SideCondition, TimeMode,
+    CrackKind, GradientChoice, Integrator, InterfaceChoice, OperatorChoice, Plan, SideCondition,
+    TimeMode,
 };
 
 /// One thing that a plan may ask for: an effect, an option of one, or the way of the run.
@@ -39,6 +40,8 @@ pub enum Feature {
     InitialField,
     /// The divergence-consistent gradient of the displacement, asked for by name.
     ConsistentGradient,
+    /// Layers in families whose moduli vary, asked for by name.
+    Layers,
     /// Flow and deformation feel each other.
     Coupling,
     /// The run starts from the undrained answer to the first loads.
@@ -70,7 +73,7 @@ pub type Features = BTreeSet<Feature>;
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Feature; 27] = [
+    pub const ALL: [Feature; 28] = [
         Feature::Flow,
         Feature::HydrostaticStart,
         Feature::HydrostaticSide,
@@ -86,6 +89,7 @@ impl Feature {
         Feature::InitialStress,
         Feature::InitialField,
         Feature::ConsistentGradient,
+        Feature::Layers,
         Feature::Coupling,
         Feature::UndrainedStart,
         Feature::Stabilisation,
@@ -118,6 +122,7 @@ impl Feature {
             Feature::InitialStress => "[initial]",
             Feature::InitialField => "initial.stress_gradient",
             Feature::ConsistentGradient => "mechanics.gradient = \"divergence-consistent\"",
+            Feature::Layers => "mechanics.interfaces = \"laminate\"",
             Feature::Coupling => "[coupling]",
             Feature::UndrainedStart => "coupling.undrained_start = true",
             Feature::Stabilisation => "coupling.stabilisation > 0",
@@ -145,7 +150,8 @@ impl Feature {
             | Feature::Loads
             | Feature::BodyForce
             | Feature::InitialStress
-            | Feature::ConsistentGradient => &[Feature::Mechanics],
+            | Feature::ConsistentGradient
+            | Feature::Layers => &[Feature::Mechanics],
             Feature::InitialField => &[Feature::InitialStress],
             Feature::UndrainedStart | Feature::Stabilisation => &[Feature::Coupling],
             Feature::Injection => &[Feature::DamagedCrack],
@@ -196,6 +202,7 @@ fn of_mechanics(plan: &Plan) -> Vec<Feature> {
     };
     let sides = &mechanics.sides;
     let consistent = mechanics.gradient == GradientChoice::DivergenceConsistent;
+    let layers = mechanics.interfaces == InterfaceChoice::Laminate;
     let varies = (plan.initial.as_ref()).is_some_and(|initial| !initial.is_uniform(plan));
     let asked = [
         (Feature::Mechanics, true),
@@ -207,6 +214,7 @@ fn of_mechanics(plan: &Plan) -> Vec<Feature> {
         (Feature::InitialStress, plan.initial.is_some()),
         (Feature::InitialField, varies),
         (Feature::ConsistentGradient, consistent),
+        (Feature::Layers, layers),
     ];
     chosen(&asked)
 }

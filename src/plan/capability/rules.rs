@@ -225,6 +225,11 @@ pub static RULES: &[Rule] = &[
         "the divergence-consistent gradient does not go together with [damage]",
         "set gradient = \"plain\"",
     ),
+    refuse(
+        &[Layers, Damage],
+        "rock that breaks has the moduli of its points, not those of layers",
+        "set interfaces = \"pointwise\", or leave it out",
+    ),
     Rule {
         without: &[Damage],
         ..refuse(

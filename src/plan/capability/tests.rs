@@ -267,6 +267,14 @@ fn cracks_keep_the_plain_gradient() {
 }
 
 #[test]
+fn rock_that_breaks_has_the_moduli_of_its_points() {
+    let message = "rock that breaks has the moduli of its points, not those of layers";
+    let asked = ["mechanics.interfaces=laminate"];
+    assert_eq!(faults(DISC, &asked), one(message, "laminate"));
+    assert_eq!(messages(DISC, &["mechanics.interfaces=auto"]), [""; 0]);
+}
+
+#[test]
 fn processes_are_for_schemes_with_systems() {
     let among_two = |text: &str, set: &[&str]| {
         let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();

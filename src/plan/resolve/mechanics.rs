@@ -2,9 +2,7 @@
 
 use super::Resolver;
 use crate::load::Load;
-use crate::plan::types::{
-    CouplingPlan, GradientChoice, InterfaceChoice, MechanicsPlan, Support, TractionPlan,
-};
+use crate::plan::types::{CouplingPlan, GradientChoice, MechanicsPlan, Support, TractionPlan};
 use crate::scene::quantity::{Dimension, values};
 use crate::scene::{self, Coupling, Mechanics};
 
@@ -32,11 +30,7 @@ impl Resolver<'_> {
             inertia: mechanics.is_dynamic(),
             hourglass: mechanics.hourglass.value(),
             gradient: solid_gradient(mechanics, &self.loaded.scene),
-            layers: match mechanics.interfaces.value {
-                InterfaceChoice::Laminate => true,
-                InterfaceChoice::Pointwise => false,
-                InterfaceChoice::Auto => self.loaded.scene.damage.is_none(),
-            },
+            interfaces: mechanics.interfaces.value,
             body_force: mechanics.body_force.as_ref().map(|force| values(force)),
             sides,
             loads: mechanics.loads.iter().map(traction).collect(),

@@ -73,7 +73,8 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         | Feature::MovingSide
         | Feature::Loads
         | Feature::BodyForce
-        | Feature::ConsistentGradient => part(&scene.mechanics, |own| of_mechanics(own, feature)),
+        | Feature::ConsistentGradient
+        | Feature::Layers => part(&scene.mechanics, |own| of_mechanics(own, feature)),
     }
 }
 
@@ -122,6 +123,7 @@ fn of_mechanics(mechanics: &Mechanics, feature: Feature) -> Vec<Span> {
         Feature::Plate => sides(|support| matches!(support, Support::Plate { .. })),
         Feature::MovingSide => sides(moves),
         Feature::ConsistentGradient => vec![mechanics.gradient.span],
+        Feature::Layers => vec![mechanics.interfaces.span],
         _ => Vec::new(),
     }
 }

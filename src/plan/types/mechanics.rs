@@ -1,6 +1,6 @@
 //! What a plan says about the deformation of the rock.
 
-use super::{GradientChoice, Load};
+use super::{GradientChoice, InterfaceChoice, Load};
 use crate::geometry::{Shape, Side};
 
 /// Linear elastic deformation.
@@ -12,8 +12,8 @@ pub struct MechanicsPlan {
     pub hourglass: f64,
     /// Which gradient the displacement gets.
     pub gradient: GradientChoice,
-    /// Whether families have layers where moduli vary within them.
-    pub layers: bool,
+    /// What families make of moduli that vary within them.
+    pub interfaces: InterfaceChoice,
     /// Force per volume in addition to gravity, N/m³, one component per axis.
     pub body_force: Option<Vec<f64>>,
     /// What holds on the sides: six entries, in the order of [`Side::index`].
@@ -27,6 +27,15 @@ impl MechanicsPlan {
     /// has planes or not.
     pub fn corrects_gradient(&self, irregular: bool, planes: bool) -> bool {
         self.gradient.corrects(irregular, planes)
+    }
+
+    /// Whether families have layers where moduli vary within them, in rock that breaks or not.
+    pub fn has_layers(&self, breaks: bool) -> bool {
+        match self.interfaces {
+            InterfaceChoice::Auto => !breaks,
+            InterfaceChoice::Laminate => true,
+            InterfaceChoice::Pointwise => false,
+        }
     }
 }
 

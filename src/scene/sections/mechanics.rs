@@ -206,11 +206,6 @@ impl Section for Mechanics {
         if let Some(stress) = &self.initial_stress {
             stress.check_plane(scene, report);
         }
-        if self.interfaces.value == Interfaces::Laminate && scene.has(&scene.draft.damage) {
-            let message = "rock that breaks has the moduli of its points, not those of layers";
-            let fault = Diagnostic::new(message).at(self.interfaces.span);
-            report.add(fault.help("leave `interfaces` out, or leave out [damage]"));
-        }
         for (side, support) in self.boundary.iter() {
             check_side(side, support.span, scene, report);
             check_support(support, scene, report);

@@ -122,7 +122,7 @@ fn distance(state: &State, peer: &State) -> f64 {
 }
 
 /// Rungs between two that are taken where not all are.
-const STRIDE: usize = 3;
+const STRIDE: usize = 5;
 
 /// Counts of right, refused and wrong configurations.
 type Table = BTreeMap<&'static str, [usize; 3]>;
