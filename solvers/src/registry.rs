@@ -3,7 +3,7 @@
 use crate::krylov::{bicgstab, conjugate_gradient, gmres, minres};
 use crate::problem::Symmetry;
 use crate::{
-    LinearSolver, SolveError, SpecError, auto, faer_ldlt, faer_llt, faer_lu, petsc, system,
+    LinearSolver, SolveError, SpecError, auto, faer_ldlt, faer_llt, faer_lu, fourier, petsc, system,
 };
 
 /// Every backend that can be chosen by name.
@@ -11,6 +11,7 @@ pub const BACKENDS: &[Backend] = &[
     auto::BACKEND,
     faer_llt::BACKEND,
     faer_ldlt::BACKEND,
+    fourier::BACKEND,
     conjugate_gradient::BACKEND,
     faer_lu::BACKEND,
     minres::BACKEND,
