@@ -17,6 +17,7 @@ mod flow;
 mod fracture_flow;
 mod in_situ;
 mod interfaces;
+mod lattice;
 mod level;
 mod operator_choice;
 mod places;

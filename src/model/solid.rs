@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
-use perifrac_solvers::{CsrMatrix, CsrView, dot, multiply};
+use perifrac_solvers::{CsrMatrix, CsrView, Lattice, dot, multiply};
 use rayon::prelude::*;
 
 use crate::assembly::{
@@ -19,12 +19,14 @@ use crate::load::Load;
 use crate::operators::{
     Damage, Divergence, Elastic, FamilyWidths, MirrorContinuation, Neighbourhood, Parity,
 };
+use crate::plan::capability::System;
 use crate::plan::{MechanicsPlan, Plan, Support};
 use crate::report::Timers;
 
 use super::ModelError;
 use super::bands::Bands;
 use super::in_situ::InSitu;
+use super::lattice::lattice;
 use super::properties::Properties;
 
 /// Operators, loads and walls of the mechanical problem.
@@ -62,6 +64,8 @@ pub struct SolidModel<const D: usize> {
     pub damage: Option<Damage<D>>,
     /// Effective widths of the families, if the strength of the rock follows from them.
     pub widths: Option<FamilyWidths<D>>,
+    /// The points as a lattice whose rows repeat, or why they are none.
+    pub lattice: Result<Lattice, String>,
     /// Where the time of the run goes.
     pub timers: Timers,
 }
@@ -157,6 +161,7 @@ impl<const D: usize> SolidModel<D> {
             in_situ_force: 0.0,
             damage: None,
             widths,
+            lattice: lattice(plan, cloud, points, System::Mechanics),
             timers: Timers::default(),
         })
     }

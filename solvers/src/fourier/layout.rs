@@ -3,7 +3,7 @@
 use crate::lattice::Lattice;
 use crate::{Problem, SolveError};
 
-use super::NAME;
+use super::BACKEND;
 use super::transform::Transform;
 
 /// Points as lines along one axis; the axes across are transformed, and every wavenumber of theirs, a lane,
@@ -33,15 +33,12 @@ impl Layout {
     /// # Errors
     /// [`SolveError::Refused`] where it is no lattice whose rows repeat along all axes but one.
     pub(super) fn of(problem: &Problem<'_>) -> Result<Self, SolveError> {
-        let refused = |reason: &str| SolveError::Refused {
-            solver: NAME,
-            symmetry: problem.symmetry,
-            advice: format!(
-                "it needs a lattice of equal cells, and {reason}; `auto` takes what suits"
-            ),
-        };
-        let lattice = problem.lattice.map_err(refused)?;
-        lattice.separates().map_err(|reason| refused(&reason))?;
+        BACKEND.takes_points(problem.symmetry, problem.lattice)?;
+        let lattice = problem
+            .lattice
+            .map_err(|reason| SolveError::InvalidProblem {
+                reason: reason.to_owned(),
+            })?;
         let line = line_axis(lattice);
         let mut stride = 1;
         let mut layout = Layout {

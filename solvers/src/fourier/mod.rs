@@ -36,6 +36,7 @@ pub(crate) const BACKEND: Backend = Backend {
     summary: "sine and cosine transforms on lattices whose rows repeat along all axes but one (direct)",
     symmetries: &[Symmetry::PositiveDefinite, Symmetry::QuasiDefinite],
     distributed: false,
+    lattices_only: true,
     options: &[],
     build,
 };
