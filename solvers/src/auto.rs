@@ -18,7 +18,7 @@ const SMALL: usize = 5_000;
 /// The entry of this backend in the table.
 pub(crate) const BACKEND: Backend = Backend {
     name: NAME,
-    summary: "chooses a backend from size, stencil, symmetry, contrast, solves per matrix, processes",
+    summary: "chooses a backend from lattice, size, stencil, symmetry, contrast, solves per matrix, processes",
     symmetries: &[
         Symmetry::PositiveDefinite,
         Symmetry::QuasiDefinite,

@@ -3,7 +3,9 @@
 use perifrac_solvers::Lattice;
 
 use super::properties::Properties;
+use crate::assembly::{Pattern, Repetition};
 use crate::geometry::Cloud;
+use crate::operators::{Lame, Neighbourhood};
 use crate::plan::capability::System;
 use crate::plan::{Plan, lattice as planned};
 
@@ -43,12 +45,36 @@ pub(super) fn separates<const D: usize>(
     lattice(plan, cloud, points, system).and_then(|own| own.separates())
 }
 
+/// Which points have the rows of mechanics of which others; none where rows differ everywhere, and in parts of
+/// a cloud.
+pub(super) fn repetition<const D: usize>(
+    plan: &Plan,
+    points: &Properties,
+    around: &Neighbourhood<D>,
+    pattern: &Pattern,
+) -> Option<Repetition> {
+    let (cloud, families) = (&around.cloud, &around.families);
+    let lattice = lattice(plan, cloud, points, System::Mechanics).ok()?;
+    let counts: [usize; D] = std::array::from_fn(|axis| lattice.axes[axis].count);
+    let same = |own: &Lame| [own.lambda, own.mu].map(f64::to_bits);
+    let uniform = points
+        .lame
+        .windows(2)
+        .all(|pair| same(&pair[0]) == same(&pair[1]));
+    if !uniform || families.share.partition().is_some() {
+        return None;
+    }
+    let reach = families.horizon.iter().copied().fold(0.0, f64::max);
+    // A row holds families of all that see its point.
+    let margin = |axis: usize| 2 * (reach / cloud.cell[0][axis]).ceil() as usize;
+    let repetition = Repetition::new(counts, std::array::from_fn(margin));
+    Some(repetition).filter(|own| own.fits(pattern))
+}
+
 /// Whether a property differs between neighbours along an axis of `count` points that are `stride` apart.
 fn varies(points: &Properties, stride: usize, count: usize) -> bool {
     let differs = |values: &[f64]| differs(values, stride, count);
-    let lame = |part: fn(&crate::operators::Lame) -> f64| -> Vec<f64> {
-        points.lame.iter().map(part).collect()
-    };
+    let lame = |part: fn(&Lame) -> f64| -> Vec<f64> { points.lame.iter().map(part).collect() };
     differs(&points.permeability)
         || differs(&points.storage)
         || differs(&points.biot_coefficient)

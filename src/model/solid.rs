@@ -11,7 +11,7 @@ use perifrac_solvers::{CsrMatrix, CsrView, Lattice, dot, multiply};
 use rayon::prelude::*;
 
 use crate::assembly::{
-    Consistency, Pattern, Planes, consistent_gradient, fill_stiffness, matrix_bytes,
+    Consistency, Pattern, Planes, Repetition, consistent_gradient, fill_stiffness, matrix_bytes,
 };
 use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{Cloud, Families, Matrix, Side, Subdomain, Vector};
@@ -26,7 +26,7 @@ use crate::report::Timers;
 use super::ModelError;
 use super::bands::Bands;
 use super::in_situ::InSitu;
-use super::lattice::lattice;
+use super::lattice::{lattice, repetition};
 use super::properties::Properties;
 
 /// Operators, loads and walls of the mechanical problem.
@@ -190,7 +190,8 @@ impl<const D: usize> SolidModel<D> {
         self.damage = super::damage::build(plan, prestress, &self.elastic, widths, points, bands);
         self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         self.stiffness = self.points.expanded(D)?.into_matrix();
-        self.refill();
+        let repetition = repetition(plan, points, &self.elastic.around, &self.points);
+        self.fill(repetition.as_ref());
         self.effects = effects::build_solid(&SolidContext {
             plan,
             mechanics,
@@ -204,8 +205,13 @@ impl<const D: usize> SolidModel<D> {
 
     /// Fills K anew into the same pattern.
     pub fn refill(&mut self) {
+        self.fill(None);
+    }
+
+    /// Fills K; rows that `repetition` knows to be those of others are copied.
+    fn fill(&mut self, repetition: Option<&Repetition>) {
         let (elastic, values) = (&self.elastic, self.stiffness.data_mut());
-        let fill = || fill_stiffness(elastic, &self.points, values);
+        let fill = || fill_stiffness(elastic, repetition, &self.points, values);
         self.timers.time("assembly", fill);
         self.refills += 1;
     }

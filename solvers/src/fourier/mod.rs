@@ -13,17 +13,15 @@ mod stencil;
 mod symbol;
 mod transform;
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
 
 use crate::direct::{Direct, Factor};
-use crate::matrix::Rows;
+use crate::matrix::{Rows, multiply};
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, Options};
 use crate::{CsrView, LinearSolver, SolveError, SpecError};
 
-use self::bands::{BadPivot, Bands, Numbers, WIDE};
+use self::bands::{BadPivot, Bands, Numbers, Pivot, WIDE};
 use self::layout::Layout;
 use self::stencil::{Reach, Stencil};
 use self::symbol::Symbols;
@@ -48,9 +46,8 @@ fn build(_options: &Options<'_>) -> Result<Box<dyn LinearSolver>, SpecError> {
     Ok(Box::new(Direct::new(&BACKEND, Box::new(symbolic))))
 }
 
-/// Pivot over diagonal entry below which a pivot is rounding error. The elimination of a sealed line leaves
-/// 1e-16 to 1e-14 there at 10 to 4000 points, the smallest storage that still counts 1e-12.
-const LOST: f64 = 1e-13;
+/// Sum of a row over its diagonal entry that is rounding error: 200 entries leave 4e-14 at most.
+const ROUNDING: f64 = 1e-13;
 /// Difference of an entry, relative to the largest of its row, that is none. Positions and what follows from
 /// them are rounded to 1e-13 at 1000 points across.
 const SAME: f64 = 1e-10;
@@ -103,38 +100,32 @@ impl Transformed {
         point * layout.unknowns + unknown
     }
 
-    /// What a pivot that cannot be used means, or the point that makes up for it.
-    fn judge(
-        &self,
-        matrix: &CsrView<'_>,
-        stencil: &Stencil,
-        (group, fault): (usize, BadPivot),
-    ) -> Result<(usize, f64), SolveError> {
+    /// The error for a pivot that cannot be used.
+    fn fault(&self, matrix: CsrView<'_>, group: usize, fault: BadPivot) -> SolveError {
         let row = self.matrix_row(group, fault.lane, fault.row);
-        let diagonal = Rows::new(matrix).get(row, row);
-        let lost = fault.ratio.abs() <= LOST && self.symmetry == Symmetry::PositiveDefinite;
-        let constant = (group, fault.lane, fault.row + 1) == (0, 0, self.layout.rows());
-        match lost && constant && self.layout.unknowns == 1 {
-            true => self
-                .grounded(matrix, stencil)
-                .ok_or(SolveError::Singular { row }),
-            false if self.symmetry == Symmetry::QuasiDefinite => {
-                Err(SolveError::ZeroPivot { row, diagonal })
-            }
-            false => Err(SolveError::NotPositiveDefinite { row, diagonal }),
+        let diagonal = Rows::new(&matrix).get(row, row);
+        match self.symmetry {
+            Symmetry::QuasiDefinite => SolveError::ZeroPivot { row, diagonal },
+            _ => SolveError::NotPositiveDefinite { row, diagonal },
         }
     }
 
-    /// The one point whose diagonal entry is more than its stencil says, and by how much.
-    fn grounded(&self, matrix: &CsrView<'_>, stencil: &Stencil) -> Option<(usize, f64)> {
-        let rows = Rows::new(matrix);
-        let mut entries = HashMap::new();
-        let mut held = (0..matrix.rows()).filter_map(|row| {
-            stencil.fold(&self.layout, row, &mut entries);
-            let more = rows.get(row, row) - entries.get(&row)?;
-            (more > SAME * entries.get(&row)?.abs()).then_some((row, more))
-        });
-        held.next().filter(|_| held.next().is_none())
+    /// The one point that a constant feels, whose row alone does not sum to zero, and its sum; none where
+    /// several rows do not.
+    fn grounded(&self, matrix: CsrView<'_>) -> Result<Option<(usize, f64)>, SolveError> {
+        if self.layout.unknowns > 1 {
+            return Ok(None);
+        }
+        let mut sums = vec![0.0; matrix.rows()];
+        multiply(matrix, &vec![1.0; matrix.rows()], &mut sums);
+        let rows = Rows::new(&matrix);
+        let mut held = (sums.into_iter().enumerate())
+            .filter(|(row, sum)| sum.abs() > ROUNDING * rows.get(*row, *row));
+        match (held.next(), held.next()) {
+            (None, _) => Err(SolveError::Singular { row: 0 }),
+            (Some(only), None) => Ok(Some(only)),
+            _ => Ok(None),
+        }
     }
 
     /// Takes what the ground holds off the right-hand side, which is then in balance: summing all rows shows
@@ -234,45 +225,44 @@ fn across(
         }
     }
     if let Some(own) = layout.across.get(1) {
-        let (first, count) = (own.transform.first(unknown), own.transform.count);
-        let mut values = vec![0.0; count];
+        let first = own.transform.first(unknown);
         for column in 0..slots {
-            let at = |place: usize| (first + place) * slots + column;
-            (values.iter_mut().enumerate()).for_each(|(place, value)| *value = waves[at(place)]);
-            work(&own.transform, &mut values);
-            (values.iter().enumerate()).for_each(|(place, value)| waves[at(place)] = *value);
+            let places = (first..first + own.transform.count).map(|place| place * slots + column);
+            own.transform
+                .at_places(waves, places, |values| work(&own.transform, values));
         }
     }
 }
 
 impl Factor for Transformed {
     fn factorise(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
-        self.ground = None;
+        self.factors.clear();
+        self.ground = self.grounded(matrix)?;
         let stencil = Stencil::read(&self.layout, &self.reach, matrix);
         let symbols = Symbols::new(&self.layout, &self.reach, &stencil);
-        let positive = self.symmetry == Symmetry::PositiveDefinite;
-        let good = |ratio: f64| match positive {
-            true => ratio > LOST,
-            false => ratio.abs() > LOST,
-        };
         let (rows, width) = (self.layout.rows(), self.width());
+        let positive = self.symmetry == Symmetry::PositiveDefinite;
+        // The stencil does not hold the ground, so the constant, the last row of the first lane, is free.
+        let free = self.ground.map(|_| (0, 0, rows - 1));
         let factor = |group: usize| {
             let mut bands = Bands::zeros(rows, width);
             symbols.fill(group, &mut bands);
-            let fault = bands.factorise(|_, _, ratio| good(ratio));
-            (bands, fault)
+            let fault = bands.factorise(|row, lane, ratio| match positive {
+                _ if free == Some((group, lane, row)) => Pivot::Free,
+                true if ratio > 0.0 => Pivot::Good,
+                false if ratio.abs() > 0.0 => Pivot::Good,
+                _ => Pivot::Bad,
+            });
+            match fault {
+                Some(fault) => Err(self.fault(matrix, group, fault)),
+                None => Ok(bands),
+            }
         };
         let groups = self.layout.lanes().div_ceil(WIDE);
-        let all: Vec<_> = (0..groups).into_par_iter().map(factor).collect();
-        let faults = all.iter().enumerate();
-        let mut faults = faults.filter_map(|(group, own)| Some((group, own.1?)));
-        if let Some(first) = faults.next() {
-            self.ground = Some(self.judge(&matrix, &stencil, first)?);
-        }
-        if let Some(second) = faults.next() {
-            self.judge(&matrix, &stencil, second)?;
-        }
-        self.factors = all.into_iter().map(|(bands, _)| bands).collect();
+        self.factors = (0..groups)
+            .into_par_iter()
+            .map(factor)
+            .collect::<Result<_, _>>()?;
         self.stencil = Some(stencil);
         Ok(())
     }

@@ -16,6 +16,8 @@ use rustdct::{DctPlanner, TransformType2And3, TransformType4};
 use crate::lattice::Mirror;
 
 thread_local! {
+    /// Values of a line that do not lie side by side, gathered.
+    static LINE: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
     /// Working memory of the transforms of this thread.
     static SCRATCH: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
 }
@@ -100,6 +102,23 @@ impl Transform {
             (Kernel::Whole(kernel), true) => kernel.process_dst3_with_scratch(values, scratch),
             (Kernel::Half(kernel), false) => kernel.process_dct4_with_scratch(values, scratch),
             (Kernel::Half(kernel), true) => kernel.process_dst4_with_scratch(values, scratch),
+        });
+    }
+
+    /// Calls `work` with the values at these places, as many as there are points.
+    pub(super) fn at_places(
+        &self,
+        values: &mut [f64],
+        places: impl Iterator<Item = usize> + Clone,
+        work: impl FnOnce(&mut [f64]),
+    ) {
+        LINE.with_borrow_mut(|line| {
+            line.clear();
+            line.extend(places.clone().map(|place| values[place]));
+            work(line);
+            places
+                .zip(line.iter())
+                .for_each(|(place, value)| values[place] = *value);
         });
     }
 
