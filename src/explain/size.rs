@@ -56,9 +56,8 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
         Held::HalfFactor => (0.5 * factor(), whole()),
         Held::Bands => {
             let width = band(system, plan.dimension, sample);
-            // Values on their way take two numbers for every unknown.
-            let numbers = (width + 2.0) * unknowns as f64;
-            (8.0 * numbers, width.powi(2) * unknowns as f64)
+            let unknowns = unknowns as f64;
+            (8.0 * width * unknowns, width.powi(2) * unknowns)
         }
         Held::Hierarchy(per_nonzero) => {
             let levels = per_nonzero * nonzeros + HIERARCHY_PER_UNKNOWN * unknowns as f64;
@@ -80,7 +79,7 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
 /// Entries of a row of a banded factor: those of the points as far as rows reach, in a square or cube.
 fn band(system: System, dimension: usize, sample: &Sample) -> f64 {
     let across = neighbours(system, sample).powf(1.0 / dimension as f64);
-    system.width(dimension) as f64 * (0.5 * across + 1.0)
+    system.width(dimension) as f64 * 0.5 * (across + 1.0)
 }
 
 /// What a solver holds beside the matrix.

@@ -23,7 +23,7 @@ use crate::{CsrView, LinearSolver, SolveError, SpecError};
 
 use self::bands::{BadPivot, Bands, Numbers, Pivot, WIDE};
 use self::layout::Layout;
-use self::stencil::{Reach, Stencil};
+use self::stencil::{Reach, Stencil, edge};
 use self::symbol::Symbols;
 
 const NAME: &str = "fourier";
@@ -48,6 +48,9 @@ fn build(_options: &Options<'_>) -> Result<Box<dyn LinearSolver>, SpecError> {
 
 /// Sum of a row over its diagonal entry that is rounding error: 200 entries leave 4e-14 at most.
 const ROUNDING: f64 = 1e-13;
+/// Pivot over diagonal entry below which nothing is left of it. Contrasts of 1e12 leave 1e-12, and a storage that
+/// is too small for row sums to show still leaves as many times more as a line has points.
+const LOST: f64 = 1e-15;
 /// Difference of an entry, relative to the largest of its row, that is none. Positions and what follows from
 /// them are rounded to 1e-13 at 1000 points across.
 const SAME: f64 = 1e-10;
@@ -111,21 +114,19 @@ impl Transformed {
     }
 
     /// The one point that a constant feels, whose row alone does not sum to zero, and its sum; none where
-    /// several rows do not.
-    fn grounded(&self, matrix: CsrView<'_>) -> Result<Option<(usize, f64)>, SolveError> {
+    /// several or no rows do not, and where the stencil holds that point already.
+    fn grounded(&self, matrix: CsrView<'_>) -> Option<(usize, f64)> {
         if self.layout.unknowns > 1 {
-            return Ok(None);
+            return None;
         }
         let mut sums = vec![0.0; matrix.rows()];
         multiply(matrix, &vec![1.0; matrix.rows()], &mut sums);
         let rows = Rows::new(&matrix);
         let mut held = (sums.into_iter().enumerate())
             .filter(|(row, sum)| sum.abs() > ROUNDING * rows.get(*row, *row));
-        match (held.next(), held.next()) {
-            (None, _) => Err(SolveError::Singular { row: 0 }),
-            (Some(only), None) => Ok(Some(only)),
-            _ => Ok(None),
-        }
+        let beside = |row: usize| self.layout.places(row).1 != edge(&self.layout);
+        let only = held.next().filter(|_| held.next().is_none());
+        only.filter(|(row, _)| beside(*row))
     }
 
     /// Takes what the ground holds off the right-hand side, which is then in balance: summing all rows shows
@@ -237,7 +238,7 @@ fn across(
 impl Factor for Transformed {
     fn factorise(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
         self.factors.clear();
-        self.ground = self.grounded(matrix)?;
+        self.ground = self.grounded(matrix);
         let stencil = Stencil::read(&self.layout, &self.reach, matrix);
         let symbols = Symbols::new(&self.layout, &self.reach, &stencil);
         let (rows, width) = (self.layout.rows(), self.width());
@@ -249,8 +250,8 @@ impl Factor for Transformed {
             symbols.fill(group, &mut bands);
             let fault = bands.factorise(|row, lane, ratio| match positive {
                 _ if free == Some((group, lane, row)) => Pivot::Free,
-                true if ratio > 0.0 => Pivot::Good,
-                false if ratio.abs() > 0.0 => Pivot::Good,
+                true if ratio > LOST => Pivot::Good,
+                false if ratio.abs() > LOST => Pivot::Good,
                 _ => Pivot::Bad,
             });
             match fault {

@@ -42,7 +42,7 @@ pub(super) struct Reach {
 }
 
 /// The last point across the lines, from which stencils are read. A grounded point, the first of all, is not it.
-fn edge(layout: &Layout) -> [usize; 2] {
+pub(super) fn edge(layout: &Layout) -> [usize; 2] {
     [0, 1].map(|number| layout.count(number) - 1)
 }
 
