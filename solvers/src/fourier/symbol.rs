@@ -88,9 +88,7 @@ impl<'a> Symbols<'a> {
         for row in 0..self.layout.rows() {
             let unknown = row % unknowns;
             let entries = bands.row_mut(row);
-            for lane in 0..WIDE {
-                entries[0][lane] = 1.0 - group.there[unknown][lane];
-            }
+            entries[0] = group.there[unknown].map(|there| 1.0 - there);
             for term in self.stencil.row(row) {
                 let before =
                     -term.along * unknowns as isize + unknown as isize - term.unknown as isize;

@@ -116,8 +116,8 @@ impl Network {
             for (offset, (end, signs)) in &bonds {
                 let length: f64 = offset.iter().map(|x| (x * x) as f64).sum();
                 let own = stiffness / length;
-                for unknown in 0..self.unknowns {
-                    let ends = [(*end, unknown, signs[unknown]), (point, unknown, -1.0)];
+                for (unknown, sign) in signs.iter().enumerate() {
+                    let ends = [(*end, unknown, *sign), (point, unknown, -1.0)];
                     self.add(&mut entries, self.sign(unknown) * own, &ends);
                 }
                 let along: Vec<_> = (0..self.vector())
