@@ -18,7 +18,7 @@ const SMALL: usize = 5_000;
 /// The entry of this backend in the table.
 pub(crate) const BACKEND: Backend = Backend {
     name: NAME,
-    summary: "chooses a backend from size, stencil, symmetry, contrast, solves per matrix, processes",
+    summary: "chooses a backend from lattice, size, stencil, symmetry, contrast, solves per matrix, processes",
     symmetries: &[
         Symmetry::PositiveDefinite,
         Symmetry::QuasiDefinite,
@@ -26,6 +26,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::General,
     ],
     distributed: true,
+    lattices_only: false,
     options: &[],
     build,
 };
@@ -92,6 +93,10 @@ fn by_cost(outline: &Outline, ways: &Ways) -> (&'static str, String) {
     let entries = outline.factor().nonzeros;
     if outline.unknowns() <= SMALL {
         return (direct, "small, so a factor is cheapest".to_owned());
+    }
+    if outline.separates {
+        let reason = "the rows repeat, so transforms are cheapest";
+        return ("fourier", reason.to_owned());
     }
     if entries > LARGEST_FACTOR {
         let gigabytes = 8e-9 * entries;
@@ -207,6 +212,7 @@ mod tests {
             solves,
             contrast: 1.0,
             volume_stiffness: 1.0,
+            separates: false,
             processes: 1,
         }
     }

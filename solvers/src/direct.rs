@@ -31,6 +31,11 @@ pub(crate) trait Factor: Send {
 
     /// Stored entries and bytes; zero if not known.
     fn size(&self) -> (u64, u64);
+
+    /// Why the matrix cannot be solved with the factor, if that can be told.
+    fn explain(&self, _matrix: CsrView<'_>) -> Option<SolveError> {
+        None
+    }
 }
 
 impl Factor for CholeskyFactor<f64> {
@@ -176,13 +181,14 @@ impl LinearSolver for Direct {
         let backward_stable =
             || found.plain <= AT_THE_FLOOR && found.plain <= 10.0 * rounding_floor(matrix, x, rhs);
         if found.plain.is_nan() || (found.plain > ACCEPTED_RESIDUAL && !backward_stable()) {
-            return Err(SolveError::Inaccurate {
+            let reason = self.factor.as_ref().and_then(|own| own.explain(matrix));
+            return Err(reason.unwrap_or(SolveError::Inaccurate {
                 residual: found.plain,
                 bar: ACCEPTED_RESIDUAL,
                 refinements,
                 advice: "the matrix is nearly singular, not symmetric or not the one refreshed; \
                          prescribe enough values and limit the contrast of the stiffness",
-            });
+            }));
         }
         self.counters.solves += 1;
         Ok(found.report(refinements))

@@ -27,6 +27,8 @@ pub struct Outline {
     pub contrast: f64,
     /// As [`Problem::volume_stiffness`].
     pub volume_stiffness: f64,
+    /// Whether the points are a lattice that separates, see [`Lattice::separates`](crate::Lattice::separates).
+    pub separates: bool,
     /// Processes that share the matrix.
     pub processes: usize,
 }
@@ -51,6 +53,7 @@ impl Outline {
             solves: problem.solves,
             contrast: problem.contrast,
             volume_stiffness: problem.volume_stiffness,
+            separates: (problem.lattice).is_ok_and(|lattice| lattice.separates().is_ok()),
             processes: problem.partition.map_or(1, |own| own.team().size()),
         }
     }
@@ -184,6 +187,7 @@ mod tests {
             solves: 1,
             contrast: 1.0,
             volume_stiffness: 1.0,
+            separates: false,
             processes: 1,
         }
     }

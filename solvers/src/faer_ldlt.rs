@@ -17,6 +17,7 @@ pub(crate) const BACKEND: Backend = Backend {
     summary: "sparse LDLT without pivoting (direct), ordering from the coordinates",
     symmetries: &[Symmetry::QuasiDefinite, Symmetry::PositiveDefinite],
     distributed: false,
+    lattices_only: false,
     options: &[ORDERING],
     build,
 };

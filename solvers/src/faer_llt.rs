@@ -12,6 +12,7 @@ pub(crate) const BACKEND: Backend = Backend {
     summary: "sparse Cholesky (direct), ordering from the coordinates",
     symmetries: &[Symmetry::PositiveDefinite],
     distributed: false,
+    lattices_only: false,
     options: &[ORDERING],
     build,
 };

@@ -29,6 +29,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::General,
     ],
     distributed: false,
+    lattices_only: false,
     options: &[OptionSpec {
         key: "max_unknowns",
         value: OptionValue::Count,

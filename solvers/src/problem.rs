@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::lattice::Lattice;
 use crate::partition::Partition;
 use crate::{CsrView, SolveError};
 
@@ -83,6 +84,8 @@ pub struct Problem<'a> {
     /// Largest ratio at a point of the resistance to changes of volume to that to changes of shape,
     /// (λ + 2μ)/μ of an elastic solid; 1 where it means nothing. Multigrid gets slower with its root.
     pub volume_stiffness: f64,
+    /// The lattice that the points are, or why they are none, in words that end a sentence.
+    pub lattice: Result<&'a Lattice, &'a str>,
     /// Distributed problems: which rows are stored here. Rows of other processes are empty.
     pub partition: Option<&'a Partition>,
 }
@@ -101,6 +104,7 @@ impl<'a> Problem<'a> {
             solves: 1,
             contrast: 1.0,
             volume_stiffness: 1.0,
+            lattice: Err("nothing is known of the order of the points"),
             partition: None,
         }
     }
@@ -143,6 +147,9 @@ impl Problem<'_> {
             return invalid(format!(
                 "{rows} unknowns cannot be {per_point} for each point"
             ));
+        }
+        if let Ok(lattice) = self.lattice {
+            lattice.validate(self.points(), per_point)?;
         }
         self.coordinates.map_or(Ok(()), |coordinates| {
             self.validate_coordinates(&coordinates)

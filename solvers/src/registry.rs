@@ -3,7 +3,8 @@
 use crate::krylov::{bicgstab, conjugate_gradient, gmres, minres};
 use crate::problem::Symmetry;
 use crate::{
-    LinearSolver, SolveError, SpecError, auto, faer_ldlt, faer_llt, faer_lu, petsc, system,
+    Lattice, LinearSolver, SolveError, SpecError, auto, faer_ldlt, faer_llt, faer_lu, fourier,
+    petsc, system,
 };
 
 /// Every backend that can be chosen by name.
@@ -13,6 +14,7 @@ pub const BACKENDS: &[Backend] = &[
     faer_ldlt::BACKEND,
     conjugate_gradient::BACKEND,
     faer_lu::BACKEND,
+    fourier::BACKEND,
     minres::BACKEND,
     gmres::BACKEND,
     gmres::FLEXIBLE_BACKEND,
@@ -31,6 +33,8 @@ pub struct Backend {
     pub symmetries: &'static [Symmetry],
     /// Whether several processes may share a system.
     pub distributed: bool,
+    /// Whether points must be a lattice that separates, see [`Lattice::separates`].
+    pub lattices_only: bool,
     /// Options it accepts.
     pub options: &'static [OptionSpec],
     /// Builds the solver from its options.
@@ -123,6 +127,26 @@ impl Backend {
             self.symmetries,
             processes == 1 || self.distributed,
         )
+    }
+
+    /// Whether it takes points that are this lattice, or are none for this reason.
+    ///
+    /// # Errors
+    /// [`SolveError::Refused`] with the reason.
+    pub fn takes_points(
+        &self,
+        symmetry: Symmetry,
+        lattice: Result<&Lattice, &str>,
+    ) -> Result<(), SolveError> {
+        let separates = |lattice: &Lattice| lattice.separates();
+        match lattice.map_err(str::to_owned).and_then(separates) {
+            Err(reason) if self.lattices_only => Err(SolveError::Refused {
+                solver: self.name,
+                symmetry,
+                advice: format!("it solves on lattices of equal cells, and {reason}; use `auto`"),
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// The option that takes the whole text behind the name, if there is one.

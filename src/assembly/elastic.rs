@@ -2,8 +2,8 @@
 
 use std::cell::RefCell;
 
-use super::Pattern;
 use super::scalar::by_rows;
+use super::{Pattern, Repetition};
 use crate::geometry::{Matrix, Vector};
 use crate::operators::{Elastic, Lame, Layers};
 
@@ -64,9 +64,26 @@ fn unit_strain<const D: usize>(axis: usize, weight: &Vector<D>) -> Matrix<D> {
 ///
 /// `points` is the pattern over points, every family coupled; `values` has the layout of
 /// `points.expanded(D)`: all columns of a point's first component, then of the next. Rows are summed
-/// in a fixed order, so the bits do not depend on the number of threads.
-pub fn fill_stiffness<const D: usize>(elastic: &Elastic<D>, points: &Pattern, values: &mut [f64]) {
-    fill_rows(elastic, &Isotropic(elastic), None, points, values);
+/// in a fixed order, so the bits do not depend on the number of threads. Rows that `repetition` knows to be
+/// those of others are copied.
+pub fn fill_stiffness<const D: usize>(
+    elastic: &Elastic<D>,
+    repetition: Option<&Repetition>,
+    points: &Pattern,
+    values: &mut [f64],
+) {
+    let fill = |values: &mut [f64], wanted: &(dyn Fn(usize) -> bool + Sync)| {
+        fill_wanted(elastic, &Isotropic(elastic), wanted, points, values);
+    };
+    match repetition {
+        Some(own) => own.fill(&expanded_offsets::<D>(points), values, fill),
+        None => fill(values, &|_| true),
+    }
+}
+
+/// Starts of the rows of all components of every point.
+fn expanded_offsets<const D: usize>(points: &Pattern) -> Vec<u32> {
+    points.offsets.iter().map(|o| o * (D * D) as u32).collect()
 }
 
 /// As [`fill_stiffness`] with other moduli, and only the rows of points in whose own family or in whose
@@ -79,12 +96,26 @@ pub fn fill_rows<const D: usize>(
     values: &mut [f64],
 ) {
     let families = &elastic.around.families;
-    let offsets: Vec<u32> = points.offsets.iter().map(|o| o * (D * D) as u32).collect();
-    by_rows(&offsets, values, |point, values| {
-        let touched = |changed: &[bool]| {
+    let touched = |point: usize| {
+        let touches = |changed: &[bool]| {
             changed[point] || families.dual(point).any(|(owner, _)| changed[owner])
         };
-        if !changed.is_none_or(touched) {
+        changed.is_none_or(touches)
+    };
+    fill_wanted(elastic, moduli, &touched, points, values);
+}
+
+/// Fills the rows of the points that are wanted.
+fn fill_wanted<const D: usize>(
+    elastic: &Elastic<D>,
+    moduli: &impl Moduli<D>,
+    wanted: &(dyn Fn(usize) -> bool + Sync),
+    points: &Pattern,
+    values: &mut [f64],
+) {
+    let families = &elastic.around.families;
+    by_rows(&expanded_offsets::<D>(points), values, |point, values| {
+        if !wanted(point) {
             return;
         }
         values.fill(0.0);

@@ -5,6 +5,7 @@ mod elastic;
 mod force;
 mod operator;
 mod pattern;
+mod repetition;
 mod scalar;
 mod uniform_flow;
 
@@ -14,5 +15,6 @@ pub use consistency::{
 pub use elastic::{Moduli, fill_rows, fill_stiffness};
 pub use operator::ScalarOperator;
 pub use pattern::{Pattern, PatternError, matrix_bytes, row_of};
+pub use repetition::Repetition;
 pub use scalar::Refill;
 pub use uniform_flow::uniform_flow_error;

@@ -169,6 +169,7 @@ pub(super) fn outline(plan: &Plan, sample: &Sample, system: System) -> Outline {
             (System::Flow, _) | (_, None) => 1.0,
             (_, Some(solid)) => solid.volume_stiffness,
         },
+        separates: sample.separates.contains(&system),
         processes: 1,
     }
 }

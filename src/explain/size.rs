@@ -49,15 +49,21 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
     };
     let name = choice(plan, sample, system).name;
     let factor = || 12.0 * nonzeros * fill(plan.dimension, sample, system);
-    let (factor, direct) = match Held::by(&name) {
-        _ if !solved => (0.0, false),
-        Held::Factor => (factor(), true),
-        Held::HalfFactor => (0.5 * factor(), true),
+    let whole = || flops(plan, sample, system);
+    let (factor, factor_flops) = match Held::by(&name) {
+        _ if !solved => (0.0, 0.0),
+        Held::Factor => (factor(), whole()),
+        Held::HalfFactor => (0.5 * factor(), whole()),
+        Held::Bands => {
+            let width = band(system, plan.dimension, sample);
+            let unknowns = unknowns as f64;
+            (8.0 * width * unknowns, width.powi(2) * unknowns)
+        }
         Held::Hierarchy(per_nonzero) => {
             let levels = per_nonzero * nonzeros + HIERARCHY_PER_UNKNOWN * unknowns as f64;
-            (levels, false)
+            (levels, 0.0)
         }
-        Held::Unknown => (0.0, false),
+        Held::Unknown => (0.0, 0.0),
     };
     MatrixSize {
         name: system.name(),
@@ -66,11 +72,14 @@ fn matrix(plan: &Plan, sample: &Sample, system: System, solved: bool) -> MatrixS
         solved,
         bytes: (bytes * nonzeros) as u64,
         factor: factor as u64,
-        factor_flops: match direct {
-            true => flops(plan, sample, system),
-            false => 0.0,
-        },
+        factor_flops,
     }
+}
+
+/// Entries of a row of a banded factor: those of the points as far as rows reach, in a square or cube.
+fn band(system: System, dimension: usize, sample: &Sample) -> f64 {
+    let across = neighbours(system, sample).powf(1.0 / dimension as f64);
+    system.width(dimension) as f64 * 0.5 * (across + 1.0)
 }
 
 /// What a solver holds beside the matrix.
@@ -79,6 +88,8 @@ enum Held {
     Factor,
     /// A factor in single precision.
     HalfFactor,
+    /// Banded factors of all wavenumbers.
+    Bands,
     /// Levels of multigrid, so many bytes per nonzero of the matrix.
     Hierarchy(f64),
     /// Little, or what another program knows.
@@ -93,6 +104,7 @@ impl Held {
     fn by(solver: &str) -> Self {
         let has = |word: &str| solver.contains(word);
         match solver {
+            "fourier" => Held::Bands,
             _ if has("preconditioner=amg") => Held::Hierarchy(9.0),
             _ if has("=schur") || has("=fixed-stress") => Held::Hierarchy(24.0),
             _ if has("preconditioner=f32") => Held::HalfFactor,

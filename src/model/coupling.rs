@@ -1,11 +1,13 @@
 //! Biot's coupling: Q u̇ + S ṗ + L p = q and K u − Qᵀ p = f.
 
-use perifrac_solvers::dot;
+use perifrac_solvers::{Lattice, dot};
 
 use crate::geometry::Cloud;
 use crate::operators::Divergence;
 use crate::plan::Plan;
+use crate::plan::capability::System;
 
+use super::lattice::lattice;
 use super::properties::Properties;
 use super::{Fields, Model, MovingWall, SolidModel};
 
@@ -21,6 +23,8 @@ pub struct Coupling {
     pub oedometric: Vec<f64>,
     /// Whether loads at the start meet an undrained body.
     pub undrained_start: bool,
+    /// The points as a lattice whose rows repeat where both fields are one system, or why they are none.
+    pub lattice: Result<Lattice, String>,
 }
 
 impl Coupling {
@@ -37,6 +41,7 @@ impl Coupling {
             },
             fixed_stress: per_point(2.0 / D as f64),
             oedometric: per_point(2.0),
+            lattice: lattice(plan, cloud, points, System::Monolithic),
             undrained_start: plan
                 .coupling
                 .is_some_and(|coupling| coupling.undrained_start),

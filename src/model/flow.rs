@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use perifrac_solvers::CsrView;
+use perifrac_solvers::{CsrView, Lattice};
 use rayon::prelude::*;
 
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
@@ -11,6 +11,7 @@ use crate::boundary::{self, BoundaryPlane};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Subdomain, Term, Vector};
 use crate::operators::MirrorContinuation;
+use crate::plan::capability::System;
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
 use crate::report::{Flows, Timers};
@@ -18,6 +19,7 @@ use crate::report::{Flows, Timers};
 use super::bands::Bands;
 use super::diffusion::operator;
 use super::fixed::{FixedPressure, fixed_points};
+use super::lattice::lattice;
 use super::operator_choice::ChosenOperator;
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
@@ -55,6 +57,8 @@ pub struct FlowModel<const D: usize> {
     pub walls: Vec<BoundaryPlane>,
     /// Prescribed flux into the domain per side, m/s.
     pub(super) fluxes: Vec<Option<Load>>,
+    /// The points as a lattice whose rows repeat, or why they are none.
+    pub lattice: Arc<Result<Lattice, String>>,
     /// Where the time of the run goes.
     pub timers: Timers,
     column: Option<Column<D>>,
@@ -89,6 +93,7 @@ impl<const D: usize> FlowModel<D> {
                 + weight.map_or(0.0, |column| column.pressure_below(flow.datum, x))
         });
         Ok(FlowModel {
+            lattice: Arc::new(lattice(plan, cloud, points, System::Flow)),
             capacity: points
                 .storage
                 .iter()

@@ -18,6 +18,7 @@ mod fracture_flow;
 mod in_situ;
 mod interfaces;
 mod laminate;
+mod lattice;
 mod level;
 mod operator_choice;
 mod places;

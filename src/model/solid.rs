@@ -7,11 +7,11 @@
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
-use perifrac_solvers::{CsrMatrix, CsrView, dot, multiply};
+use perifrac_solvers::{CsrMatrix, CsrView, Lattice, dot, multiply};
 use rayon::prelude::*;
 
 use crate::assembly::{
-    Consistency, Pattern, Planes, consistent_gradient, fill_stiffness, matrix_bytes,
+    Consistency, Pattern, Planes, Repetition, consistent_gradient, fill_stiffness, matrix_bytes,
 };
 use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{Cloud, Families, Matrix, Side, Subdomain, Vector};
@@ -19,6 +19,7 @@ use crate::load::Load;
 use crate::operators::{
     Damage, Divergence, Elastic, FamilyWidths, MirrorContinuation, Neighbourhood, Parity,
 };
+use crate::plan::capability::System;
 use crate::plan::{MechanicsPlan, Plan, Support};
 use crate::report::Timers;
 
@@ -26,6 +27,7 @@ use super::ModelError;
 use super::bands::Bands;
 use super::in_situ::InSitu;
 use super::interfaces::Interfaces;
+use super::lattice::{lattice, repetition};
 use super::properties::Properties;
 
 /// Operators, loads and walls of the mechanical problem.
@@ -63,6 +65,8 @@ pub struct SolidModel<const D: usize> {
     pub damage: Option<Damage<D>>,
     /// Effective widths of the families, if the strength of the rock follows from them.
     pub widths: Option<FamilyWidths<D>>,
+    /// The points as a lattice whose rows repeat, or why they are none.
+    pub lattice: Result<Lattice, String>,
     /// Where the time of the run goes.
     pub timers: Timers,
 }
@@ -173,6 +177,7 @@ impl<const D: usize> SolidModel<D> {
             in_situ_force: 0.0,
             damage: None,
             widths,
+            lattice: lattice(plan, cloud, points, System::Mechanics),
             timers: Timers::default(),
         })
     }
@@ -201,7 +206,8 @@ impl<const D: usize> SolidModel<D> {
         self.damage = super::damage::build(plan, prestress, &self.elastic, widths, points, bands);
         self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         self.stiffness = self.points.expanded(D)?.into_matrix();
-        self.refill();
+        let repetition = repetition(plan, points, &self.elastic.around, &self.points);
+        self.fill(repetition.as_ref());
         self.effects = effects::build_solid(&SolidContext {
             plan,
             mechanics,
@@ -215,8 +221,13 @@ impl<const D: usize> SolidModel<D> {
 
     /// Fills K anew into the same pattern.
     pub fn refill(&mut self) {
+        self.fill(None);
+    }
+
+    /// Fills K; rows that `repetition` knows to be those of others are copied.
+    fn fill(&mut self, repetition: Option<&Repetition>) {
         let (elastic, values) = (&self.elastic, self.stiffness.data_mut());
-        let fill = || fill_stiffness(elastic, &self.points, values);
+        let fill = || fill_stiffness(elastic, repetition, &self.points, values);
         self.timers.time("assembly", fill);
         self.refills += 1;
     }

@@ -68,6 +68,7 @@ impl Monolithic {
                 values: &coordinates,
             }),
             near_nullspace: NearNullspace::RigidModes,
+            lattice: (coupling_of(model)?.lattice.as_ref()).map_err(String::as_str),
             schur_diagonal: Some(&block.schur_diagonal),
             ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
         };

@@ -129,6 +129,7 @@ pub(super) fn mechanics_problem<'a, const D: usize>(
             values: coordinates,
         }),
         near_nullspace: NearNullspace::RigidModes,
+        lattice: solid.lattice.as_ref().map_err(String::as_str),
         ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
     }
 }

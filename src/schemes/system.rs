@@ -68,6 +68,7 @@ impl ImplicitSystem {
             partition: flow.subdomain().partition(),
             solves: demand.solves,
             contrast: ratio(flow.mobility.iter().copied()),
+            lattice: (*flow.lattice).as_ref().map_err(String::as_str),
             coordinates: Some(Coordinates {
                 dimension: D,
                 values: &coordinates,

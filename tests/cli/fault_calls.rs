@@ -215,7 +215,7 @@ error: `implict` is not known here
             name: "a flag with a solver that does not exist",
             arguments: &["run", "scene.toml", "--solver", "faer-ltl"],
             stderr: r#"
-error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, faer-llt, faer-ldlt, faer-cg, faer-lu, minres, gmres, fgmres, bicgstab, petsc
+error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, faer-llt, faer-ldlt, faer-cg, faer-lu, fourier, minres, gmres, fgmres, bicgstab, petsc
  --> --set #1:1:13
   |
 1 | solver.name="faer-ltl"

@@ -126,7 +126,7 @@ fn solvers_that_cannot_be() {
             name: "a solver that does not exist",
             change: &[("[time]", "[solver]\nname = \"fear-cg\"\n[time]")],
             stderr: r#"
-error: unknown solver `fear-cg`, did you mean `faer-cg`?; valid names: auto, faer-llt, faer-ldlt, faer-cg, faer-lu, minres, gmres, fgmres, bicgstab, petsc
+error: unknown solver `fear-cg`, did you mean `faer-cg`?; valid names: auto, faer-llt, faer-ldlt, faer-cg, faer-lu, fourier, minres, gmres, fgmres, bicgstab, petsc
   --> scene.toml:16:8
    |
 16 | name = "fear-cg"

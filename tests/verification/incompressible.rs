@@ -133,6 +133,7 @@ fn the_closer_to_incompressible_the_more_is_factored() {
             solves: 3,
             contrast: 1.0,
             volume_stiffness: 2.0 * (1.0 - poissons_ratio) / (1.0 - 2.0 * poissons_ratio),
+            separates: false,
             processes: 1,
         };
         choose(&outline).unwrap().spec.to_string()

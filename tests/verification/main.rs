@@ -13,6 +13,7 @@ mod dynamics;
 mod effects;
 mod estimates;
 mod five_spot;
+mod fourier;
 mod gravity;
 mod incompressible;
 mod initial;

@@ -36,6 +36,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::General,
     ],
     distributed: false,
+    lattices_only: false,
     options: &OPTIONS,
     build,
 };

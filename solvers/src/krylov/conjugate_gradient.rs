@@ -29,6 +29,7 @@ pub(crate) const BACKEND: Backend = Backend {
     summary: "conjugate gradients (iterative), warm start, choice of preconditioners",
     symmetries: &[Symmetry::PositiveDefinite],
     distributed: false,
+    lattices_only: false,
     options: &OPTIONS,
     build,
 };

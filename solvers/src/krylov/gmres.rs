@@ -35,6 +35,7 @@ pub(crate) const BACKEND: Backend = Backend {
     summary: "generalised minimal residuals (iterative, restarted), for any matrix",
     symmetries: SYMMETRIES,
     distributed: false,
+    lattices_only: false,
     options: &OPTIONS,
     build: build_plain,
 };
@@ -45,6 +46,7 @@ pub(crate) const FLEXIBLE_BACKEND: Backend = Backend {
     summary: "gmres that lets the preconditioner vary; twice the memory",
     symmetries: SYMMETRIES,
     distributed: false,
+    lattices_only: false,
     options: &OPTIONS,
     build: build_flexible,
 };

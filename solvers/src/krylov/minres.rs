@@ -33,6 +33,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::Indefinite,
     ],
     distributed: false,
+    lattices_only: false,
     options: &OPTIONS,
     build,
 };

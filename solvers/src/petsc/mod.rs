@@ -52,6 +52,7 @@ pub(crate) const BACKEND: Backend = Backend {
         Symmetry::General,
     ],
     distributed: true,
+    lattices_only: false,
     options: &[OptionSpec {
         key: "flags",
         value: OptionValue::Flags,

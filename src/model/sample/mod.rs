@@ -11,11 +11,13 @@ pub use coupled::CoupledSample;
 use self::cell::LocalCell;
 use self::family::LocalFamily;
 use self::outline::CloudOutline;
+use super::lattice::separates;
 use super::operator_choice::{ChosenOperator, Form};
 use super::properties::{self, Properties};
 use super::{ModelError, build_cloud, fit};
 use crate::geometry::{Cloud, GeometryError, Horizon, Sampler};
 use crate::operators::WidthRange;
+use crate::plan::capability::{System, systems};
 use crate::plan::{FlowPlan, MechanicsPlan, Plan};
 
 /// Averages over sampled points and extremes over all points.
@@ -45,6 +47,8 @@ pub struct Sample {
     pub coupling: Option<CoupledSample>,
     /// Effective widths of the families over all directions, if rock breaks.
     pub width: Option<WidthRange>,
+    /// Systems for which the points are a lattice that separates.
+    pub separates: Vec<System>,
 }
 
 /// What flow costs.
@@ -200,6 +204,9 @@ fn sampled<const D: usize>(
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
         coupling: plan.coupling.map(|_| seen.coupling()),
         width: width::range(plan, cloud, &sampler, points, &samples),
+        separates: (systems(plan).into_iter())
+            .filter(|system| separates(plan, cloud, points, *system).is_ok())
+            .collect(),
     })
 }
 
@@ -247,6 +254,7 @@ fn estimated<const D: usize>(plan: &Plan, outline: &CloudOutline<D>) -> Result<S
             ..coupling
         }),
         width: sample.width,
+        separates: sample.separates,
     })
 }
 

@@ -18,6 +18,7 @@ pub use method::{Method, System, method, systems};
 pub use page::{completed, page};
 pub use rules::{Place, RULES, Rule};
 
+use super::lattice;
 use super::types::Plan;
 use crate::scene::SchemeName;
 
@@ -87,7 +88,13 @@ impl Rule {
 /// What the named solver says to the systems of the plan.
 fn solver_refusal(plan: &Plan, processes: usize) -> Option<SolveError> {
     let backend = Backend::find(plan.solver.name()).ok()?;
-    systems(plan)
-        .into_iter()
-        .find_map(|system| backend.takes(system.symmetry(), processes).err())
+    systems(plan).into_iter().find_map(|system| {
+        let lattice = lattice(plan, system);
+        let points = || {
+            let lattice = lattice.as_ref().map_err(String::as_str);
+            backend.takes_points(system.symmetry(), lattice)
+        };
+        let takes = backend.takes(system.symmetry(), processes);
+        takes.and_then(|()| points()).err()
+    })
 }
