@@ -35,7 +35,9 @@ pub use family_width::{BandLaw, FamilyWidths, WholeFamily, WidthRange};
 pub use gradient::{Gradient, column_sums, family_gradient};
 pub use hourglass::Hourglass;
 pub use neighbourhood::Neighbourhood;
-pub use path::{Arm, Cells, Path, Tessellation, cell_faces, grid_families, runs_along_axes};
+pub use path::{
+    Arm, Cells, Path, PlaneTensor, Tessellation, cell_faces, grid_families, runs_along_axes,
+};
 
 pub use crate::material::Lame;
 

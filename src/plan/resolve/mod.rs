@@ -162,6 +162,7 @@ impl Resolver<'_> {
         };
         self.check_reference(&plan);
         self.check_planes(&plan);
+        self.check_tensors(&plan);
         plan.warnings = cut.into_iter().chain(warnings(&plan)).collect();
         Some(plan)
     }
