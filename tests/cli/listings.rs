@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 27] = [
+const CASES: [&str; 29] = [
     "five-spot",
     "two-layer",
     "channel",
