@@ -8,6 +8,7 @@ mod geometry;
 mod initial;
 mod materials;
 mod mechanics;
+mod permeability;
 mod places;
 mod shortened;
 #[cfg(test)]

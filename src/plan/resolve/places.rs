@@ -2,8 +2,8 @@
 
 use crate::plan::capability::{Feature, Place, Rule};
 use crate::scene::{
-    Condition, Crack, CrackKind, Diagnostic, Entry, Flow, Material, Mechanics, Named,
-    PermeabilityField, Scene, Span, Spanned, Support,
+    Condition, Crack, CrackKind, Diagnostic, Entry, Flow, Material, Mechanics, Named, Scene, Span,
+    Spanned, Support,
 };
 
 /// The faults of a broken rule: one for each place of its first feature.
@@ -84,13 +84,10 @@ fn tensors(materials: &Named<Material>) -> Vec<Span> {
     let typed = materials
         .iter()
         .filter_map(|entry| entry.value.permeability.as_ref());
-    let is_tensor = |own: &&Spanned<PermeabilityField>| {
-        matches!(
-            own.value,
-            PermeabilityField::K1(_) | PermeabilityField::Xx(_)
-        )
-    };
-    typed.filter(is_tensor).map(|own| own.span).collect()
+    typed
+        .filter(|own| own.is_tensor())
+        .map(|own| own.span)
+        .collect()
 }
 
 fn section<T>(section: &Option<Spanned<T>>) -> Vec<Span> {

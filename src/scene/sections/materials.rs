@@ -58,6 +58,13 @@ pub enum PermeabilityField {
     Xx(PermeabilityTensor),
 }
 
+impl PermeabilityField {
+    /// Whether it depends on the direction of flow.
+    pub fn is_tensor(&self) -> bool {
+        matches!(self, Self::K1(_) | Self::Xx(_))
+    }
+}
+
 /// A permeability that depends on the direction of flow, in the plane, by its principal axes.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
