@@ -19,6 +19,7 @@ pub use files::{FileError, PointTable, TableError, check_length, read_array};
 pub use own::{ActsOn, Effect, OwnEffect, Points};
 pub use resolve::{resolve, resolve_any, resolve_for};
 pub use setup::Setup;
+#[cfg(feature = "study")]
 pub(crate) use types::with_contrast;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
