@@ -45,12 +45,21 @@ pub const CASES: &[Case] = &[
     case!("barrier", "a one-cell-thick barrier of low permeability"),
     case!("heterogeneous", "log-normal permeability over six decades"),
     case!(
+        "spe10-1",
+        "the permeability of SPE 10, model 1, against the flux between two points",
+        "flat"
+    ),
+    case!(
         "reservoir-3d",
         "a small five-spot in three dimensions with gravity"
     ),
     case!(
         "theis",
         "a well in a wide aquifer, against the Theis solution"
+    ),
+    case!(
+        "anisotropic",
+        "a well where rock conducts better along one axis, against the exact solution"
     ),
     case!(
         "terzaghi",

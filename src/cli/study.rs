@@ -29,7 +29,7 @@ over-resolved one.
   perifrac study stability terzaghi
   perifrac study convergence mandel --schemes monolithic")]
 pub(super) struct Args {
-    /// cost: error against seconds; contrast: 1 to 1e12; stability: where schemes hold;
+    /// cost: error against seconds; contrast: 1e-12 to 1e12; stability: where schemes hold;
     /// convergence: orders in space and time
     #[arg(value_parser = PossibleValuesParser::new(study::NAMES))]
     kind: String,

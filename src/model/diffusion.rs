@@ -15,6 +15,7 @@ use crate::plan::{FlowPlan, Plan, SideCondition};
 use super::ModelError;
 use super::interfaces::Interfaces;
 use super::operator_choice::Form;
+use super::properties::Properties;
 
 /// Share of a family's weights beyond which its correction is not trusted.
 const TRUSTED: f64 = 0.5;
@@ -94,11 +95,11 @@ pub(super) fn operator<const D: usize>(
     plan: &Plan,
     flow: &FlowPlan,
     form: Form,
-    (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
+    (cloud, points, families): (&Arc<Cloud<D>>, &Properties, Families<D>),
     warnings: &mut Vec<String>,
 ) -> Result<Built<D>, ModelError> {
     if let Form::Path(cells) = form {
-        return path(plan, flow, cells, (cloud, material, families));
+        return path(plan, flow, cells, (cloud, points, families), warnings);
     }
     let extension = continuation(flow, cloud, &families);
     let one_sided: Vec<bool> = Side::all(D)
@@ -146,7 +147,8 @@ fn path<const D: usize>(
     plan: &Plan,
     flow: &FlowPlan,
     cells: Cells,
-    (cloud, material, families): (&Arc<Cloud<D>>, &[u16], Families<D>),
+    (cloud, points, families): (&Arc<Cloud<D>>, &Properties, Families<D>),
+    warnings: &mut Vec<String>,
 ) -> Result<Built<D>, ModelError> {
     if !plan.geometry.tells_cells() {
         return Err(ModelError::PathWithoutCells);
@@ -174,11 +176,11 @@ fn path<const D: usize>(
         plan,
         cloud,
         families: &found.families,
-        material,
+        material: &points.material,
     };
     // What strain squeezes out of a cell has the volume of mechanics.
     let own_volume = plan.coupling.is_none();
-    let operator = Path::new(
+    let mut operator = Path::new(
         cloud,
         &found,
         own_volume,
@@ -186,10 +188,27 @@ fn path<const D: usize>(
         |image| extension.keeps(image),
         |owner, bond| interfaces.share(owner, bond),
     )?;
+    if !points.tensor.is_empty() {
+        operator = operator.with_tensors(&points.tensor);
+        // Signs do not depend on the viscosity, by which mobilities are divided.
+        warnings.extend(doubt_of_signs(operator.signed(&points.permeability), cloud));
+    }
     Ok(Built {
         operator: Arc::new(operator),
         extension,
         consistency: None,
+    })
+}
+
+/// What tensors lose that are too oblique for the eight bonds of a point.
+fn doubt_of_signs<const D: usize>(signed: usize, cloud: &Cloud<D>) -> Option<String> {
+    (signed > 0).then(|| {
+        format!(
+            "at {signed} of {} points the permeability tensor is too oblique for positive conductances \
+             (its xy component is above its xx or yy, or nearly, on cells of this shape): pressures may leave the \
+             range of those that drive them; turn the lattice towards the principal axes to be rid of it",
+            cloud.len()
+        )
     })
 }
 

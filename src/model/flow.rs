@@ -78,7 +78,7 @@ impl<const D: usize> FlowModel<D> {
     ) -> Result<Self, ModelError> {
         let chosen = ChosenOperator::of(plan, flow, &points.permeability, cloud.irregular);
         warnings.extend(chosen.doubt);
-        let points_and_families = (cloud, &*points.material, families);
+        let points_and_families = (cloud, points, families);
         let built = operator(plan, flow, chosen.form, points_and_families, warnings)?;
         let mobility = points
             .permeability

@@ -45,6 +45,8 @@ pub use flow::{FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
 pub use operator_choice::{ChosenOperator, Form};
 pub use places::{Faces, Places};
+#[cfg(feature = "study")]
+pub(crate) use properties::material_at;
 pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
 pub use solid::{Drive, MovingWall, SolidModel, driven_walls};

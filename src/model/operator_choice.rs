@@ -86,6 +86,7 @@ pub(super) fn grid_alone(plan: &Plan, irregular: bool) -> bool {
 /// How the cells of the plan's cloud are known.
 fn cells(plan: &Plan, irregular: bool) -> Cells {
     match (irregular, &plan.geometry) {
+        (false, _) if plan.has_tensors() => Cells::Oblique,
         (false, _) => Cells::Lattice,
         (true, GeometryPlan::Graded { .. }) => Cells::Tensor,
         (true, _) => Cells::Scattered,

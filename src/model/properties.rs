@@ -2,7 +2,7 @@
 
 use crate::geometry::{Cloud, Vector};
 use crate::material::log_normal;
-use crate::operators::Lame;
+use crate::operators::{Lame, PlaneTensor};
 use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable, check_length};
 
 use super::ModelError;
@@ -11,8 +11,10 @@ use super::ModelError;
 pub struct Properties {
     /// Index into the plan's materials.
     pub material: Vec<u16>,
-    /// Permeability, m².
+    /// Permeability, m²; the largest principal one where it is a tensor.
     pub permeability: Vec<f64>,
+    /// Tensor per unit of the permeability; empty where no material has any.
+    pub tensor: Vec<PlaneTensor>,
     /// Storage coefficient, 1/Pa.
     pub storage: Vec<f64>,
     /// Elastic constants; empty without mechanics.
@@ -58,7 +60,7 @@ pub fn assign_roughly<const D: usize>(
 }
 
 /// The material of a place: the last one whose region holds it, else the one without a region.
-pub(super) fn material_at<const D: usize>(plan: &Plan, x: &Vector<D>) -> Option<u16> {
+pub(crate) fn material_at<const D: usize>(plan: &Plan, x: &Vector<D>) -> Option<u16> {
     let holds = |own: &MaterialPlan| match &own.region {
         Some(region) => region.contains(x.as_slice()),
         None => false,
@@ -89,6 +91,7 @@ fn assigned<const D: usize>(
     let heavy = mechanics.is_some_and(|m| m.inertia || plan.gravity.is_some());
     Ok(Properties {
         permeability,
+        tensor: tensors(plan, &material),
         storage,
         lame: per_point(
             plan,
@@ -213,7 +216,17 @@ fn permeabilities<const D: usize>(
         };
         let values = match field {
             PermeabilityPlan::Uniform(value) => vec![*value; cloud.len()],
-            PermeabilityPlan::Table { path, values } => {
+            PermeabilityPlan::Tensor { largest, .. } => vec![*largest; cloud.len()],
+            PermeabilityPlan::Table {
+                values,
+                cells: Some(cells),
+                ..
+            } => laid_over(cloud, values, cells),
+            PermeabilityPlan::Table {
+                path,
+                values,
+                cells: None,
+            } => {
                 // A table of a finer cloud, whose own length has been checked, is thinned.
                 let points = cloud.len();
                 match plan.geometry.count() {
@@ -251,4 +264,30 @@ fn permeabilities<const D: usize>(
         }
     }
     Ok(permeability)
+}
+
+/// Tensor of every point in units of its permeability.
+fn tensors(plan: &Plan, material: &[u16]) -> Vec<PlaneTensor> {
+    if !plan.has_tensors() {
+        return Vec::new();
+    }
+    let shape = |own: &MaterialPlan| match own.permeability {
+        Some(PermeabilityPlan::Tensor { shape, .. }) => shape,
+        _ => [1.0, 1.0, 0.0],
+    };
+    let shapes: Vec<PlaneTensor> = plan.materials.iter().map(shape).collect();
+    material.iter().map(|&m| shapes[usize::from(m)]).collect()
+}
+
+/// Every point's value of an array (x fastest) of `cells` that is laid over the domain.
+fn laid_over<const D: usize>(cloud: &Cloud<D>, values: &[f64], cells: &[usize]) -> Vec<f64> {
+    let (lower, size) = (cloud.domain.lower, cloud.domain.size());
+    let value = |x: &Vector<D>| {
+        let index = (0..D).rev().fold(0, |index, axis| {
+            let place = (x[axis] - lower[axis]) / size[axis] * cells[axis] as f64;
+            index * cells[axis] + (place as usize).min(cells[axis] - 1)
+        });
+        values[index]
+    };
+    cloud.position.iter().map(value).collect()
 }

@@ -37,7 +37,9 @@ pub use gradient::{Gradient, column_sums, family_gradient};
 pub use hourglass::Hourglass;
 pub use laminate::{Laminate, Layered, Layers};
 pub use neighbourhood::Neighbourhood;
-pub use path::{Arm, Cells, Path, Tessellation, cell_faces, grid_families, runs_along_axes};
+pub use path::{
+    Arm, Cells, Path, PlaneTensor, Tessellation, cell_faces, grid_families, runs_along_axes,
+};
 
 pub use crate::material::Lame;
 

@@ -52,6 +52,8 @@ fn uneven(plan: &Plan, system: System, jitter: f64) -> Option<&'static str> {
         Some("here cracks cut bonds")
     } else if flow.is_some_and(|flow| !flow.regions.is_empty()) {
         Some("here points have a prescribed pressure")
+    } else if flow.is_some() && plan.has_tensors() {
+        Some("here permeability is a tensor")
     } else if corrected.contains(&Some(GradientChoice::DivergenceConsistent)) {
         Some("here the gradient is made divergence-consistent")
     } else if !straight {

@@ -21,6 +21,8 @@ pub use lattice::lattice;
 pub use own::{ActsOn, Effect, OwnEffect, Points};
 pub use resolve::{resolve, resolve_any, resolve_for};
 pub use setup::Setup;
+#[cfg(feature = "study")]
+pub(crate) use types::with_contrast;
 pub use types::{
     Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
     DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan,

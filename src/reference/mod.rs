@@ -14,6 +14,8 @@
 //! | [`Terzaghi`] | consolidation of a column under a load |
 //! | [`Mandel`] | a strip squeezed between rigid plates |
 //! | [`Manufactured`] | a smooth field in a box, with its source |
+//!
+//! [`two_point_flow`] is no exact solution, but what any rock of square cells is measured by.
 
 mod error;
 mod exponential_integral;
@@ -25,6 +27,7 @@ mod sneddon;
 mod terzaghi;
 mod theis;
 mod two_layer;
+mod two_point;
 
 pub use error::ReferenceError;
 pub use exponential_integral::exponential_integral;
@@ -36,6 +39,7 @@ pub use sneddon::Sneddon;
 pub use terzaghi::{Terzaghi, TerzaghiParameters};
 pub use theis::{Theis, TheisParameters};
 pub use two_layer::{Layer, TwoLayer, TwoLayerParameters};
+pub use two_point::two_point_flow;
 
 /// A ball in which a solution is not to be compared, because it is singular at the centre.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::error::{finite, positive};
-use super::{ExactPressure, Exclusion, ReferenceError, exponential_integral, squared_distance};
+use super::{ExactPressure, Exclusion, ReferenceError, coordinate, exponential_integral};
 
 /// What describes a Theis problem.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct TheisParameters {
     pub rate: f64,
     /// Mobility κ = K/μ_f, m²/(Pa·s).
     pub mobility: f64,
+    /// Tensor of the mobility in units of it: xx, yy, xy; `[1, 1, 0]` where flow has no preferred direction.
+    pub shape: [f64; 3],
     /// Storage S, 1/Pa.
     pub storage: f64,
     /// Pressure before the well starts at t = 0, Pa.
@@ -22,7 +24,8 @@ pub struct TheisParameters {
     pub excluded_radius: f64,
 }
 
-/// p = p₀ + Q/(4πκ) E₁(r² S/4κt).
+/// p = p₀ + Q/(4π √det κ) E₁(r·κ⁻¹r S/4t), with a tensor κ (Papadopulos 1965, Nonsteady flow to a well in an infinite
+/// anisotropic aquifer); for κ = κI it is Q/(4πκ) E₁(r² S/4κt).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Theis(TheisParameters);
 
@@ -38,6 +41,12 @@ impl Theis {
             parameters.mobility,
         )?;
         positive("storage of the Theis problem (1/Pa)", parameters.storage)?;
+        let [xx, yy, xy] = parameters.shape;
+        positive("xx of the tensor of the Theis problem", xx)?;
+        positive(
+            "determinant of the tensor of the Theis problem",
+            xx * yy - xy * xy,
+        )?;
         finite("x of the Theis well (m)", parameters.well[0])?;
         finite("y of the Theis well (m)", parameters.well[1])?;
         finite("rate of the Theis well (m²/s)", parameters.rate)?;
@@ -71,6 +80,7 @@ impl ExactPressure for Theis {
             well,
             rate,
             mobility,
+            shape: [xx, yy, xy],
             storage,
             initial_pressure,
             ..
@@ -78,8 +88,12 @@ impl ExactPressure for Theis {
         if time <= 0.0 {
             return *initial_pressure;
         }
-        let argument = squared_distance(well, position) * storage / (4.0 * mobility * time);
-        initial_pressure + rate / (4.0 * PI * mobility) * exponential_integral(argument)
+        let [x, y] = [0, 1].map(|axis| coordinate(position, axis) - well[axis]);
+        let determinant = xx * yy - xy * xy;
+        let squared = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / determinant;
+        let argument = squared * storage / (4.0 * mobility * time);
+        let scale = rate / (4.0 * PI * mobility * determinant.sqrt());
+        initial_pressure + scale * exponential_integral(argument)
     }
 
     fn excluded(&self) -> Vec<Exclusion> {
@@ -99,6 +113,7 @@ mod tests {
             well: [1.0, -2.0],
             rate: 3e-4,
             mobility: 1e-10,
+            shape: [1.0, 1.0, 0.0],
             storage: 2e-9,
             initial_pressure: 5e5,
             excluded_radius: 0.1,

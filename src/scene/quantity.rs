@@ -133,6 +133,9 @@ macro_rules! dimensions {
         /// Markers for what a [`Quantity`] measures.
         pub mod dimension {
             $($(#[$doc])* #[derive(Debug, Clone, Copy, PartialEq, Eq)] pub enum $id {})*
+            /// An angle, rad.
+            #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+            pub enum Angle {}
         }
         $(
             impl Dimension for dimension::$id {
@@ -178,6 +181,16 @@ dimensions! {
     /// A volume rate, m³/s, or m²/s per metre of thickness in two dimensions.
     FlowRate, "a flow rate", "m^3/s", "1 L/s", [3, 0, -1] [2, 0, -1];
 }
+
+impl Dimension for dimension::Angle {
+    const ID: &'static str = "Angle";
+    const NAME: &'static str = "an angle";
+    const UNIT: &'static str = "rad";
+    const EXAMPLE: &'static str = "30 deg";
+    const ACCEPTED: &'static [Exponents] = &[Exponents::ANGLE];
+}
+/// An angle, rad.
+pub type Angle = Quantity<dimension::Angle>;
 
 impl<'de, D: Dimension> Deserialize<'de> for Quantity<D> {
     fn deserialize<R: Deserializer<'de>>(reader: R) -> Result<Self, R::Error> {

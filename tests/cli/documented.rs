@@ -55,6 +55,7 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("channel", &["time.end=1"]),
     ("heterogeneous", &["geometry.points=[30, 30]"]),
     ("reservoir-3d", &["geometry.points=[10, 10, 5]"]),
+    ("anisotropic", &["geometry.points=[50, 50]"]),
     ("terzaghi", &["time.step=3"]),
     ("terzaghi-graded", &["time.step=3"]),
     ("terzaghi-tensor", &["time.step=3"]),

@@ -214,6 +214,46 @@ error: k.npy: 2 permeabilities for 64 points; the file needs one value per point
             ..FAULT
         },
         Fault {
+            name: "an array of cells of another number",
+            change: &[("\"1 mD\"", "{ file = \"k.csv\", cells = [2, 2] }")],
+            files: &[("k.csv", b"permeability_m2\n1e-15\n1e-15\n1e-15\n")],
+            stderr: r#"
+error: k.csv: 3 values, but `cells` says 2 × 2 = 4; correct `cells`, or leave it out for one value per point
+ --> scene.toml:9:25
+  |
+9 | permeability = { file = "k.csv", cells = [2, 2] }
+  |                         ^^^^^^^
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "cells along one axis",
+            change: &[(
+                "\"1 mD\"",
+                "{ file = \"bundled:spe10-1.csv\", cells = [2000] }",
+            )],
+            stderr: r#"
+error: `cells` must be 2 positive numbers, one for each axis of the domain
+ --> scene.toml:9:56
+  |
+9 | permeability = { file = "bundled:spe10-1.csv", cells = [2000] }
+  |                                                        ^^^^^^
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a file that does not come with the program",
+            change: &[("\"1 mD\"", "{ file = \"bundled:spe11.csv\" }")],
+            stderr: r#"
+error: no file "spe11.csv" comes with the program; there is spe10-1.csv
+ --> scene.toml:9:25
+  |
+9 | permeability = { file = "bundled:spe11.csv" }
+  |                         ^^^^^^^^^^^^^^^^^^^
+"#,
+            ..FAULT
+        },
+        Fault {
             name: "an array that is cut off",
             change: &[("\"1 mD\"", "{ file = \"k.npy\" }")],
             files: &[(

@@ -4,14 +4,16 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 28] = [
+const CASES: [&str; 30] = [
     "five-spot",
     "two-layer",
     "channel",
     "barrier",
     "heterogeneous",
+    "spe10-1",
     "reservoir-3d",
     "theis",
+    "anisotropic",
     "terzaghi",
     "terzaghi-graded",
     "terzaghi-tensor",

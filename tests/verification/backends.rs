@@ -11,7 +11,7 @@ use crate::support::{plan, try_run};
 
 /// Case and overrides that make it small; those in which rock breaks end their iterations at a balance
 /// of forces, not at 1e-8 of the fields.
-const CASES: [(&str, &[&str]); 14] = [
+const CASES: [(&str, &[&str]); 15] = [
     ("five-spot", &["geometry.points=[24, 24]", "time.step=0.05"]),
     ("two-layer", &["time.step=0.02"]),
     (

@@ -54,13 +54,17 @@ const TRIPLES: u64 = 400;
 const SEED: u64 = 7;
 
 /// What a scene says to ask for a feature, where that depends on no other.
-const WORDS: [(Feature, &str); 16] = [
+const WORDS: [(Feature, &str); 18] = [
     (Feature::HydrostaticStart, "flow.hydrostatic_start=true"),
     (
         Feature::Wells,
         "wells.w={at = [0.4, 0.4], rate = \"1e-9 m^2/s\"}",
     ),
     (Feature::PathOperator, "flow.operator=path"),
+    (
+        Feature::PermeabilityTensor,
+        "materials.rock.permeability={k1 = \"1 mD\", k2 = \"0.2 mD\", angle = \"30 deg\"}",
+    ),
     (Feature::Gravity, "gravity.acceleration=[0, -9.81]"),
     (
         Feature::Mechanics,

@@ -12,6 +12,8 @@ use crate::geometry::{Cloud, Families, GeometryError, ImageTable, Subdomain, Vec
 pub enum Cells {
     /// Equal boxes, side by side.
     Lattice,
+    /// The same with bonds across every edge, for tensors that are not along the axes.
+    Oblique,
     /// Boxes of a tensor grid.
     Tensor,
     /// By the points alone.
@@ -58,7 +60,7 @@ pub fn cell_faces<const D: usize>(
 ) -> Cell<D> {
     match cells {
         Cells::Scattered => voronoi::cell(cloud, owner, arms),
-        Cells::Lattice | Cells::Tensor => grid_cell(cloud, cells, owner, arms),
+        Cells::Lattice | Cells::Oblique | Cells::Tensor => grid_cell(cloud, cells, owner, arms),
     }
 }
 
@@ -92,7 +94,8 @@ fn grid_cell<const D: usize>(
             [a, b] => (0.0, edges[a][b]),
             _ => (0.0, 0.0),
         };
-        if let Some(&axis) = axes.first().filter(|_| conductance > 0.0) {
+        let kept = conductance > 0.0 || cells == Cells::Oblique && axes.len() == 2;
+        if let Some(&axis) = axes.first().filter(|_| kept) {
             let share = 0.5 * own[axis] / xi[axis].abs();
             faces.push(CellFace {
                 bond,
@@ -115,7 +118,7 @@ fn grid_cell<const D: usize>(
 pub(super) fn grid_reach<const D: usize>(cloud: &Cloud<D>, cells: Cells) -> Vec<f64> {
     let strides = strides(cloud);
     let reach = |point: usize| match cells {
-        Cells::Lattice => cloud.cell[point].norm(),
+        Cells::Lattice | Cells::Oblique => cloud.cell[point].norm(),
         _ => (0..D)
             .map(|axis| widest_pitch(cloud, point, axis, strides[axis]))
             .fold(0.0, f64::max),

@@ -8,16 +8,19 @@
 
 mod cells;
 mod corner;
+mod tensor;
 mod tessellation;
 mod voronoi;
 
 use cells::CellFace;
 pub use cells::{Arm, Cells, cell_faces, grid_families, runs_along_axes};
+pub use tensor::PlaneTensor;
 pub use tessellation::Tessellation;
 
 use std::sync::Arc;
 
 use self::corner::Corners;
+use self::tensor::Tensors;
 use super::bond_conductance::harmonic;
 use super::{BondForm, Neighbourhood, OpenFace};
 use crate::geometry::{Cloud, Families, GeometryError, Influence, Side, Vector};
@@ -34,6 +37,8 @@ pub struct Path<const D: usize> {
     /// Part of the bond in the owner's cell or material, shape `(bonds,)`; empty where it is always one half.
     share: Vec<f64>,
     corners: Corners,
+    /// Where the permeability is a tensor; conductances are then its alone.
+    tensors: Option<Tensors>,
     open: Vec<OpenFace<D>>,
 }
 
@@ -89,7 +94,7 @@ impl<const D: usize> Path<D> {
         }
         let corners = match found.kind {
             Cells::Lattice => Corners::find(&around, &steps, &mut geometric),
-            Cells::Tensor | Cells::Scattered => Corners::default(),
+            Cells::Oblique | Cells::Tensor | Cells::Scattered => Corners::default(),
         };
         Ok(Path {
             around,
@@ -97,8 +102,26 @@ impl<const D: usize> Path<D> {
             arm,
             share,
             corners,
+            tensors: None,
             open,
         })
+    }
+
+    /// The same with a tensor per unit of the mobility of every point, shape `(n,)`. The cells must be
+    /// [`Cells::Oblique`], in the plane, with images beyond all sides.
+    #[must_use]
+    pub fn with_tensors(mut self, tensors: &[PlaneTensor]) -> Self {
+        self.tensors = Some(Tensors::new(&self.around, tensors));
+        self.share.clear();
+        self
+    }
+
+    /// Points with a bond of negative conductance, at mobilities of shape `(n,)`: pressures near them may leave the
+    /// range of what they come from. Only strong tensors that are not along the axes have any.
+    pub fn signed(&self, mobility: &[f64]) -> usize {
+        let families = &self.around.families;
+        let tensors = self.tensors.as_ref();
+        tensors.map_or(0, |tensors| tensors.signed(families, mobility))
     }
 
     /// Mean mobility along a bond of `owner`.
@@ -156,11 +179,14 @@ impl<const D: usize> BondForm<D> for Path<D> {
     }
 
     fn pairwise(&self) -> bool {
-        self.corners.is_empty() && self.share.is_empty()
+        self.corners.is_empty() && self.share.is_empty() && self.tensors.is_none()
     }
 
     fn conductances(&self, owner: usize, mobility: &[f64], conductances: &mut [f64]) {
         let families = &self.around.families;
+        if let Some(tensors) = &self.tensors {
+            return tensors.conductances(families, owner, mobility, conductances);
+        }
         let family = families.family(owner);
         conductances.copy_from_slice(&self.geometric[family.clone()]);
         let end = |place: usize| mobility[families.neighbour(family.start + place)];
@@ -196,6 +222,7 @@ impl<const D: usize> BondForm<D> for Path<D> {
         8 * (self.geometric.len() + D * self.arm.len() + self.share.len())
             + faces
             + self.corners.bytes()
+            + self.tensors.as_ref().map_or(0, Tensors::bytes)
     }
 }
 

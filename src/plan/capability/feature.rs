@@ -18,6 +18,8 @@ pub enum Feature {
     HydrostaticSide,
     /// The path operator, asked for by name.
     PathOperator,
+    /// A permeability that depends on the direction of flow.
+    PermeabilityTensor,
     /// Wells.
     Wells,
     /// Gravity.
@@ -73,11 +75,12 @@ pub type Features = BTreeSet<Feature>;
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Feature; 28] = [
+    pub const ALL: [Feature; 29] = [
         Feature::Flow,
         Feature::HydrostaticStart,
         Feature::HydrostaticSide,
         Feature::PathOperator,
+        Feature::PermeabilityTensor,
         Feature::Wells,
         Feature::Gravity,
         Feature::Mechanics,
@@ -111,6 +114,7 @@ impl Feature {
             Feature::HydrostaticStart => "flow.hydrostatic_start = true",
             Feature::HydrostaticSide => "flow.boundary.SIDE.hydrostatic = true",
             Feature::PathOperator => "flow.operator = \"path\"",
+            Feature::PermeabilityTensor => "materials.NAME.permeability.k1",
             Feature::Wells => "[wells]",
             Feature::Gravity => "[gravity]",
             Feature::Mechanics => "[mechanics]",
@@ -141,9 +145,10 @@ impl Feature {
     /// The features of which this one is an option: one of them must be there. Empty if it stands alone.
     pub fn part_of(self) -> &'static [Feature] {
         match self {
-            Feature::HydrostaticStart | Feature::HydrostaticSide | Feature::PathOperator => {
-                &[Feature::Flow]
-            }
+            Feature::HydrostaticStart
+            | Feature::HydrostaticSide
+            | Feature::PathOperator
+            | Feature::PermeabilityTensor => &[Feature::Flow],
             Feature::Dynamic
             | Feature::Plate
             | Feature::MovingSide
@@ -192,6 +197,7 @@ fn of_flow(plan: &Plan) -> Vec<Feature> {
         (Feature::HydrostaticStart, flow.hydrostatic_start),
         (Feature::HydrostaticSide, flow.sides.iter().any(deep)),
         (Feature::PathOperator, flow.operator == OperatorChoice::Path),
+        (Feature::PermeabilityTensor, plan.has_tensors()),
     ];
     chosen(&asked)
 }

@@ -200,6 +200,11 @@ pub static RULES: &[Rule] = &[
         "set flow.operator = \"bond\", or leave it out",
     ),
     refuse(
+        &[PermeabilityTensor, FractureFlow],
+        "flow in fractures does not know permeability tensors",
+        "give one value for the permeability, or leave [fracture_flow] out",
+    ),
+    refuse(
         &[CutCrack, Flow],
         "a cut crack and [flow] do not go together",
         "set kind = \"damaged\", with [damage] and [fracture_flow]",

@@ -221,7 +221,19 @@ fn interface(material: &MaterialPlan) -> Option<(f64, bool)> {
 }
 
 fn theis(plan: &Plan) -> Result<Theis, String> {
-    let (mobility, storage) = uniform(plan)?;
+    let (permeability, shape, storage) = match plan.materials.as_slice() {
+        [
+            MaterialPlan {
+                permeability: Some(PermeabilityPlan::Tensor { largest, shape }),
+                storage,
+                ..
+            },
+        ] => (*largest, *shape, *storage),
+        _ => {
+            let (mobility, storage) = uniform(plan)?;
+            (mobility * plan.fluid.viscosity, [1.0, 1.0, 0.0], storage)
+        }
+    };
     require(plan.dimension == 2, "the Theis solution is for the plane")?;
     let [well] = plan.wells.as_slice() else {
         return Err("the Theis solution needs exactly one well".to_owned());
@@ -231,7 +243,8 @@ fn theis(plan: &Plan) -> Result<Theis, String> {
     Theis::new(TheisParameters {
         well: [well.at[0], well.at[1]],
         rate: constant(well)?,
-        mobility,
+        mobility: permeability / plan.fluid.viscosity,
+        shape,
         storage,
         initial_pressure: plan.flow.as_ref().map_or(0.0, |flow| flow.initial_pressure),
         excluded_radius: plan.reference.and_then(|r| r.exclude).unwrap_or(default),

@@ -55,6 +55,27 @@ pub enum FileError {
         /// The file that was asked for.
         path: PathBuf,
     },
+    /// No file of this name comes with the program.
+    #[error("no file \"{name}\" comes with the program; there is {}", known.join(", "))]
+    NotBundled {
+        /// The name that was asked for.
+        name: String,
+        /// All names.
+        known: Vec<&'static str>,
+    },
+    /// More or fewer values than cells of the array.
+    #[error(
+        "{path}: {found} values, but `cells` says {cells}; correct `cells`, or leave it out for one value \
+         per point"
+    )]
+    Cells {
+        /// The file.
+        path: PathBuf,
+        /// Values in it.
+        found: usize,
+        /// Cells along each axis and in all.
+        cells: String,
+    },
     /// A directory stands where a file is wanted.
     #[error("{path} is a directory; give the name of a file inside it")]
     IsDirectory {

@@ -3,6 +3,7 @@
 //! Every reader takes the whole file into memory, checks every value, and reports the first fault
 //! with its place, so that a damaged file never becomes a damaged simulation.
 
+mod bundled;
 mod columns;
 mod csv;
 mod error;
@@ -15,8 +16,9 @@ mod vtu;
 use std::io;
 use std::path::Path;
 
+pub use bundled::BUNDLED;
 pub use error::{FileError, Place, ValueFault};
-pub use order::{PermeabilityTable, check_length};
+pub use order::{PermeabilityTable, check_cells, check_length};
 pub use table::{PointTable, TableError};
 pub use vtu::read_array;
 
@@ -99,6 +101,9 @@ fn wrong_extension(path: &Path, found: &str, known: &'static str) -> FileError {
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    if let Some(bytes) = bundled::read(path)? {
+        return Ok(bytes.to_vec());
+    }
     std::fs::read(path).map_err(|source| {
         let path = path.to_path_buf();
         match source.kind() {

@@ -53,6 +53,28 @@ pub fn check_length(path: &str, found: usize, points: usize) -> Result<(), FileE
     }
 }
 
+/// As many values as cells of an array, if `found` is right.
+///
+/// # Errors
+/// [`FileError::Cells`].
+pub fn check_cells(path: &str, found: usize, cells: &[usize]) -> Result<(), FileError> {
+    let all = cells
+        .iter()
+        .try_fold(1_usize, |all, &own| all.checked_mul(own));
+    let counts: Vec<String> = cells.iter().map(usize::to_string).collect();
+    match all == Some(found) {
+        true => Ok(()),
+        false => Err(FileError::Cells {
+            path: path.into(),
+            found,
+            cells: match all {
+                Some(all) => format!("{} = {all}", counts.join(" × ")),
+                None => counts.join(" × "),
+            },
+        }),
+    }
+}
+
 /// Values in C order, sorted so that the first index is the fastest.
 fn first_index_fastest(values: &[f64], shape: &[usize]) -> Vec<f64> {
     let place = |mut index: usize| {

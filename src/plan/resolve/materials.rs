@@ -2,8 +2,7 @@
 
 use super::Resolver;
 use crate::material::{Elasticity, storage_coefficient};
-use crate::plan::files::{check_length, read_permeability};
-use crate::plan::types::{FluidPlan, GeometryPlan, MaterialPlan, PermeabilityPlan};
+use crate::plan::types::{FluidPlan, GeometryPlan, MaterialPlan};
 use crate::scene;
 
 impl Resolver<'_> {
@@ -27,54 +26,6 @@ impl Resolver<'_> {
             density: material.density.map(|value| value.value()),
             fracture_energy: material.fracture_energy.map(|value| value.value()),
         })
-    }
-
-    fn permeability(
-        &mut self,
-        field: &scene::PermeabilityField,
-        geometry: Option<&GeometryPlan>,
-    ) -> Option<PermeabilityPlan> {
-        Some(match field {
-            scene::PermeabilityField::Value(value) => PermeabilityPlan::Uniform(value.value()),
-            scene::PermeabilityField::File(file) => self.permeability_file(file, geometry)?,
-            scene::PermeabilityField::Distribution(field) => PermeabilityPlan::LogNormal {
-                median: field.median.value(),
-                log10_std: field.log10_std.value(),
-                decades: field
-                    .decades
-                    .map_or(f64::INFINITY, |decades| decades.value()),
-                correlation_length: field.correlation_length.map(|length| length.value()),
-                seed: field.seed,
-            },
-        })
-    }
-
-    fn permeability_file(
-        &mut self,
-        file: &scene::PermeabilityFile,
-        geometry: Option<&GeometryPlan>,
-    ) -> Option<PermeabilityPlan> {
-        let path = self.loaded.path(&file.file);
-        let column = file.column.as_ref().map(|column| column.value.as_str());
-        let cells = geometry.and_then(GeometryPlan::cells);
-        let points = geometry.and_then(GeometryPlan::count);
-        let read = read_permeability(&path, column)
-            .and_then(|table| match geometry {
-                Some(_) => table.in_point_order(&path, cells.as_deref()),
-                // The fault of the geometry is told; its points are not known.
-                None => Ok(table.values),
-            })
-            .and_then(|values| {
-                check_length(&file.file, values.len(), points.unwrap_or(values.len()))?;
-                Ok(values)
-            });
-        match read {
-            Ok(values) => Some(PermeabilityPlan::Table {
-                path: file.file.value.clone(),
-                values,
-            }),
-            Err(error) => self.fault(file.file.span, error),
-        }
     }
 }
 

@@ -8,6 +8,7 @@ mod geometry;
 mod initial;
 mod materials;
 mod mechanics;
+mod permeability;
 mod places;
 mod shortened;
 #[cfg(test)]
@@ -162,6 +163,7 @@ impl Resolver<'_> {
         };
         self.check_reference(&plan);
         self.check_planes(&plan);
+        self.check_tensors(&plan);
         plan.warnings = cut.into_iter().chain(warnings(&plan)).collect();
         Some(plan)
     }

@@ -2,7 +2,8 @@
 
 use crate::plan::capability::{Feature, Place, Rule};
 use crate::scene::{
-    Condition, Crack, CrackKind, Diagnostic, Entry, Flow, Mechanics, Scene, Span, Spanned, Support,
+    Condition, Crack, CrackKind, Diagnostic, Entry, Flow, Material, Mechanics, Named, Scene, Span,
+    Spanned, Support,
 };
 
 /// The faults of a broken rule: one for each place of its first feature.
@@ -59,6 +60,7 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         | Feature::HydrostaticStart
         | Feature::HydrostaticSide
         | Feature::PathOperator => part(&scene.flow, |flow| of_flow(flow, feature)),
+        Feature::PermeabilityTensor => tensors(&scene.materials),
         Feature::UndrainedStart => section(&scene.coupling),
         Feature::Stabilisation => part(&scene.coupling, |own| vec![own.stabilisation.span()]),
         Feature::CutCrack | Feature::DamagedCrack | Feature::CrackPressure | Feature::Injection => {
@@ -76,6 +78,17 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         | Feature::ConsistentGradient
         | Feature::Layers => part(&scene.mechanics, |own| of_mechanics(own, feature)),
     }
+}
+
+/// Permeabilities that are tensors.
+fn tensors(materials: &Named<Material>) -> Vec<Span> {
+    let typed = materials
+        .iter()
+        .filter_map(|entry| entry.value.permeability.as_ref());
+    typed
+        .filter(|own| own.is_tensor())
+        .map(|own| own.span)
+        .collect()
 }
 
 fn section<T>(section: &Option<Spanned<T>>) -> Vec<Span> {

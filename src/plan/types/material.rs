@@ -1,5 +1,6 @@
 //! What a plan says about the rock.
 
+use super::Plan;
 use crate::geometry::Shape;
 use crate::material::Elasticity;
 
@@ -29,12 +30,22 @@ pub struct MaterialPlan {
 pub enum PermeabilityPlan {
     /// One value, m².
     Uniform(f64),
-    /// One value per point of the cloud, m², from a file.
+    /// Values from a file.
     Table {
         /// The file, for messages.
         path: String,
-        /// Values, m².
+        /// Values, m², x fastest.
         values: Vec<f64>,
+        /// Cells along each axis of an array that is laid over the domain; `None` for one value per point of
+        /// the cloud.
+        cells: Option<Vec<usize>>,
+    },
+    /// A tensor in the plane.
+    Tensor {
+        /// Largest principal permeability, m².
+        largest: f64,
+        /// Components xx, yy and xy in units of it.
+        shape: [f64; 3],
     },
     /// Log-normal field.
     LogNormal {
@@ -49,4 +60,42 @@ pub enum PermeabilityPlan {
         /// Seed.
         seed: u64,
     },
+}
+
+impl Plan {
+    /// Whether flow meets a permeability that is a tensor.
+    pub fn has_tensors(&self) -> bool {
+        let is_tensor =
+            |own: &MaterialPlan| matches!(own.permeability, Some(PermeabilityPlan::Tensor { .. }));
+        self.flow.is_some() && self.materials.iter().any(is_tensor)
+    }
+}
+
+/// Positive values with their logarithms stretched about the middle of their range, until the largest is
+/// `contrast` times the smallest; `None` if they are all the same.
+pub fn with_contrast(values: &[f64], contrast: f64) -> Option<Vec<f64>> {
+    let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
+    let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (middle, stretch) = (0.5 * (low + high), contrast.ln() / (high - low));
+    let stretched = logs
+        .iter()
+        .map(|log| (middle + stretch * (log - middle)).exp());
+    (high > low).then(|| stretched.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contrast_keeps_the_middle_and_the_order_of_values() {
+        let stretched = with_contrast(&[1.0, 1e2, 1e4], 1e8).unwrap();
+        for (found, wanted) in stretched.iter().zip([1e-2, 1e2, 1e6]) {
+            assert!((found / wanted - 1.0).abs() < 1e-13);
+        }
+        let turned = with_contrast(&[1.0, 1e2, 1e4], 1e-4).unwrap();
+        assert!((turned[0] / 1e4 - 1.0).abs() < 1e-13 && (turned[2] - 1.0).abs() < 1e-13);
+        assert!(with_contrast(&[3.0, 3.0], 10.0).is_none());
+    }
 }

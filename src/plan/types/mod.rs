@@ -21,7 +21,7 @@ pub use damage::{
     HourglassRule, Normalise, TransmissivityRule,
 };
 pub use initial::InitialPlan;
-pub use material::{MaterialPlan, PermeabilityPlan};
+pub use material::{MaterialPlan, PermeabilityPlan, with_contrast};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
 

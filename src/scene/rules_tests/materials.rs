@@ -114,8 +114,26 @@ fn material_rules() {
         (
             "permeability = \"10 mD\"",
             "permeability = {flie = \"k.npy\"}",
-            "`file` or `distribution` is missing",
+            "`file`, `distribution`, `k1` or `xx` is missing",
             "{flie = \"k.npy\"}",
+        ),
+        (
+            "permeability = \"10 mD\"",
+            "permeability = {k1 = 1, k2 = 2, angle = 30}",
+            "`angle` is more than a whole turn",
+            "30",
+        ),
+        (
+            "permeability = \"10 mD\"",
+            "permeability = {k1 = 1, k2 = 0, angle = 0}",
+            "`k2` must be positive",
+            "0",
+        ),
+        (
+            "permeability = \"10 mD\"",
+            "permeability = {xx = 1, yy = 4, xy = -2}",
+            "a permeability tensor needs xy² below xx yy",
+            "-2",
         ),
         (
             "[materials.clay]\nregion",

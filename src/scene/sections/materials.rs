@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::geometry::Geometry;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{
-    Density, FractureEnergy, InversePressure, Length, Number, Permeability, Pressure,
+    Angle, Density, FractureEnergy, InversePressure, Length, Number, Permeability, Pressure,
 };
 use crate::scene::range::{Range, within};
 use crate::scene::shape::Shape;
@@ -42,7 +42,7 @@ pub struct Material {
     pub fracture_energy: Option<FractureEnergy>,
 }
 
-/// Intrinsic permeability, m²: one value, from a file, or drawn at random.
+/// Intrinsic permeability, m²: one value, from a file, drawn at random, or a tensor.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename = "PermeabilityField by key", rename_all = "kebab-case")]
 #[schemars(rename = "PermeabilityField", untagged)]
@@ -53,18 +53,60 @@ pub enum PermeabilityField {
     File(PermeabilityFile),
     /// A random field.
     Distribution(PermeabilityDistribution),
+    /// A tensor by its principal permeabilities.
+    K1(PrincipalPermeability),
+    /// A tensor by its components.
+    Xx(PermeabilityTensor),
+}
+
+impl PermeabilityField {
+    /// Whether it depends on the direction of flow.
+    pub fn is_tensor(&self) -> bool {
+        matches!(self, Self::K1(_) | Self::Xx(_))
+    }
+}
+
+/// A permeability that depends on the direction of flow, in the plane, by its principal axes.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PrincipalPermeability {
+    /// Along the first principal axis, m².
+    pub k1: Permeability,
+    /// Along the second one, at right angles to the first, m².
+    pub k2: Permeability,
+    /// Angle from x to the first principal axis, counted towards y.
+    pub angle: Angle,
+}
+
+/// A permeability that depends on the direction of flow, in the plane, by the components of its tensor.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PermeabilityTensor {
+    /// xx component, m².
+    pub xx: Permeability,
+    /// yy component, m².
+    pub yy: Permeability,
+    /// xy component, m²; its square must be below xx times yy.
+    pub xy: Permeability,
 }
 
 /// Permeability from a file, m².
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PermeabilityFile {
-    /// A `.npy` or `.csv` file, relative to the scene file. On a lattice or graded grid an array may
+    /// A `.npy` or `.csv` file, relative to the scene file, or `bundled:NAME` for one that comes with the
+    /// program. On a lattice or graded grid an array may
     /// have the shape of the grid, with the indices `[ix, iy]` (`[ix, iy, iz]`) from the lowest
     /// corner; a column or a flat array is in the order of the points (x fastest).
     pub file: Spanned<String>,
     /// Column of a `.csv` file.
     pub column: Option<Spanned<String>>,
+    /// Cells along each axis of an array that is laid over the domain: a point takes the value of the cell
+    /// in which it lies, whatever the cloud. Without it there is one value for each point.
+    pub cells: Option<Spanned<Vec<u32>>>,
+    /// Largest over smallest value: logarithms are stretched about the middle of their range. Below 1 high and low
+    /// change places. The values as they are if absent.
+    pub contrast: Option<Number>,
 }
 
 /// A random field of permeability.
@@ -213,6 +255,9 @@ fn check_permeability(field: &PermeabilityField, report: &mut Report) {
                         .help("remove `column`"),
                 );
             }
+            if let Some(contrast) = source.contrast {
+                report.positive("contrast", contrast);
+            }
         }
         PermeabilityField::Distribution(random) => {
             report.positive("median", random.median);
@@ -225,6 +270,26 @@ fn check_permeability(field: &PermeabilityField, report: &mut Report) {
             length
                 .into_iter()
                 .for_each(|length| report.positive("correlation_length", length));
+        }
+        PermeabilityField::K1(principal) => {
+            report.positive("k1", principal.k1);
+            report.positive("k2", principal.k2);
+            let turns = principal.angle.value().abs() / std::f64::consts::TAU;
+            if turns > 1.0 {
+                let fault = Diagnostic::new("`angle` is more than a whole turn");
+                let fault = fault.at(principal.angle.span());
+                report.add(fault.help("a bare number is in rad; write angle = \"30 deg\""));
+            }
+        }
+        PermeabilityField::Xx(tensor) => {
+            report.positive("xx", tensor.xx);
+            report.positive("yy", tensor.yy);
+            let [xx, yy, xy] = [tensor.xx, tensor.yy, tensor.xy].map(|part| part.value());
+            if xx > 0.0 && yy > 0.0 && xy.abs() >= xx.sqrt() * yy.sqrt() {
+                let fault = Diagnostic::new("a permeability tensor needs xy² below xx yy");
+                let help = "else fluid would flow towards higher pressure; correct a component";
+                report.add(fault.at(tensor.xy.span()).help(help));
+            }
         }
     }
 }

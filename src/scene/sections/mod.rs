@@ -42,7 +42,8 @@ pub use gravity::Gravity;
 pub use horizon::{Horizon, HorizonSize, Influence};
 pub use initial::{Initial, InitialPressure, StressGradient, StressKind, StressRegion};
 pub use materials::{
-    Distribution, Material, PermeabilityDistribution, PermeabilityField, PermeabilityFile, Storage,
+    Distribution, Material, PermeabilityDistribution, PermeabilityField, PermeabilityFile,
+    PermeabilityTensor, PrincipalPermeability, Storage,
 };
 pub use mechanics::{InitialStress, Interfaces, Mechanics, Motion, Support, TractionLoad};
 pub use output::{Output, Probe, Profile};

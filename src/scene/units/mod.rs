@@ -21,6 +21,8 @@ pub struct Exponents {
     pub time: i32,
     /// Exponent of the kelvin.
     pub temperature: i32,
+    /// Exponent of the radian, which numbers without unit are not mistaken for.
+    pub angle: i32,
 }
 
 /// Named dimensions, for messages that read "found a length".
@@ -52,9 +54,11 @@ const NAMES: &[(Exponents, &str)] = &[
             mass: 0,
             time: 0,
             temperature: 1,
+            angle: 0,
         },
         "a temperature",
     ),
+    (Exponents::ANGLE, "an angle"),
 ];
 
 impl Exponents {
@@ -65,8 +69,15 @@ impl Exponents {
             mass,
             time,
             temperature: 0,
+            angle: 0,
         }
     }
+
+    /// Those of an angle.
+    pub const ANGLE: Self = Self {
+        angle: 1,
+        ..Self::new(0, 0, 0)
+    };
 
     /// The exponents of the product of two quantities, the second one raised to `power`.
     pub const fn times(self, other: Self, power: i32) -> Self {
@@ -75,6 +86,7 @@ impl Exponents {
             mass: self.mass + power * other.mass,
             time: self.time + power * other.time,
             temperature: self.temperature + power * other.temperature,
+            angle: self.angle + power * other.angle,
         }
     }
 
@@ -95,6 +107,7 @@ impl fmt::Display for Exponents {
             ("m", self.length),
             ("s", self.time),
             ("K", self.temperature),
+            ("rad", self.angle),
         ];
         let parts: Vec<String> = bases
             .iter()

@@ -53,6 +53,7 @@ const TEMPERATURE: Exponents = Exponents {
     mass: 0,
     time: 0,
     temperature: 1,
+    angle: 0,
 };
 
 /// Symbols that take no prefix.
@@ -73,6 +74,11 @@ const PLAIN: &[(&str, Unit)] = &[
     ("psi", Unit::scaled(6_894.757_293_168_361, 1.0, PRESSURE)),
     ("atm", Unit::scaled(101_325.0, 1.0, PRESSURE)),
     ("t", Unit::scaled(1e3, 1.0, MASS)),
+    ("rad", Unit::si(Exponents::ANGLE)),
+    (
+        "deg",
+        Unit::scaled(std::f64::consts::PI, 180.0, Exponents::ANGLE),
+    ),
     ("%", Unit::scaled(1.0, 100.0, Exponents::new(0, 0, 0))),
 ];
 
