@@ -129,7 +129,10 @@ error: the points file names the material "clay", which the scene does not defin
                 POINTS[2],
                 POINTS[3],
                 FEW,
-                ("[fluid]", "[materials.clay]\npermeability = 1\nstorage = 1\n[fluid]"),
+                (
+                    "[fluid]",
+                    "[materials.clay]\npermeability = 1\nstorage = 1\n[fluid]",
+                ),
             ],
             files: &[("points.csv", b"x,y,volume\n0,0,1\n1,0,1\n0,1,1\n")],
             stderr: r#"
