@@ -8,19 +8,14 @@ use perifrac_solvers::{BACKENDS, SolveError};
 use crate::support::{plan_of_variant, try_run};
 
 /// Smoke variants, shortened so that the weakest preconditioners end in seconds.
-const SMOKE: [(&str, &[&str]); 6] = [
+const SMOKE: [(&str, &[&str]); 4] = [
     (
         "natural-fractures",
-        &["time.end=0.01", "time.max_step=0.01", "output.times=[]"],
-    ),
-    (
-        "injection-rate",
         &["time.end=0.01", "time.max_step=0.01", "output.times=[]"],
     ),
     ("pressurised-notch", &[]),
     ("penny-3d", &["geometry.points=[7, 7, 7]"]),
     ("notched-tension", COARSE),
-    ("notched-shear", COARSE),
 ];
 
 const COARSE: &[&str] = &["geometry.points=[20, 20]", "damage.length_scale=\"0.2 mm\""];
@@ -77,5 +72,5 @@ fn steps_and_passes_are_the_same_over_all_backends_within_a_fifth() {
             solved += 1;
         }
     }
-    assert!(solved >= 6 * 6, "{solved}");
+    assert!(solved >= 4 * 6, "{solved}");
 }
