@@ -24,7 +24,7 @@ use mutator::mutated;
 
 /// Scenes of one run; `PERIFRAC_MUTATIONS` asks for another number, `PERIFRAC_MUTATION_SEED` for another
 /// first seed.
-const SCENES: u64 = 10_000;
+const SCENES: u64 = 4_000;
 /// Seeds of scenes that once failed; each stays.
 const KEPT: [u64; 4] = [54, 403, 909, 974];
 /// A scene that takes longer has hung: models of up to a second are built, by both commands. It is tried again,
