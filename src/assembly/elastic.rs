@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use super::scalar::by_rows;
 use super::{Pattern, Repetition};
 use crate::geometry::{Matrix, Vector};
+use crate::material::unit_strain;
 use crate::operators::{Elastic, Lame, Layers};
 
 thread_local! {
@@ -48,16 +49,6 @@ impl<const D: usize> Moduli<D> for Isotropic<'_, D> {
             stress
         })
     }
-}
-
-/// Strain of the displacement gradient e_axis ⊗ `weight`.
-fn unit_strain<const D: usize>(axis: usize, weight: &Vector<D>) -> Matrix<D> {
-    let mut strain = Matrix::zeros();
-    for k in 0..D {
-        strain[(axis, k)] += 0.5 * weight[k];
-        strain[(k, axis)] += 0.5 * weight[k];
-    }
-    strain
 }
 
 /// Fills `values` with the stiffness matrix K of `elastic`.
@@ -168,10 +159,9 @@ struct LayeredShare<'a, const D: usize> {
     layers: Layers<'a, D>,
     /// h of the family.
     stiffness: f64,
-    /// h ω V A of the bond of the row's point, or minus the sum of all for the owner.
-    lever: [Matrix<D>; D],
-    /// h Σ ω V AᵀA for the weight of the row's point in the gradient.
-    squares: [Matrix<D>; D],
+    /// h ω V A of the bond of the row's point, or minus the sum of all for the owner, less h Σ ω V AᵀA for its
+    /// weight in the gradient.
+    forward: [Matrix<D>; D],
 }
 
 impl<const D: usize> LayeredShare<'_, D> {
@@ -187,7 +177,7 @@ impl<const D: usize> LayeredShare<'_, D> {
         let lever = self.layers.lever(place, &xi);
         let stretch = self.stiffness * elastic.around.measure[bond];
         Matrix::from_fn(|a, b| {
-            let forward = (self.lever[a] - self.squares[a]).row(b).transpose();
+            let forward = self.forward[a].row(b).transpose();
             let back = lever[b].row(a).transpose();
             forward.dot(weight) + stretch * back.dot(&share.strain)
         })
@@ -267,12 +257,11 @@ impl<'a, const D: usize, M: Moduli<D>> Row<'a, D, M> {
                     std::array::from_fn(|axis| sum[axis] - own[axis])
                 }),
         };
-        let squares = layers.squares(weight).map(|own| own * stiffness);
+        let squares = layers.squares(weight);
         Some(LayeredShare {
             layers,
             stiffness,
-            lever,
-            squares,
+            forward: std::array::from_fn(|axis| lever[axis] - squares[axis] * stiffness),
         })
     }
 

@@ -119,7 +119,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return Err(nothing(&interrupt));
     }
     kind.compare(&mut runs);
-    let report = study::write_report(&folder, &*kind, &subject, &runs, complete)?;
+    let report = study::write_report(&folder, (&*kind, &typed()), &subject, &runs, complete)?;
     tell_of_kept(&list.kept());
     let page = folder.join("report.html");
     if interrupt.is_raised() {
@@ -145,6 +145,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         start.elapsed().as_secs_f64(),
         page.display()
     ))
+}
+
+/// The command as it was typed, with quotes where a shell needs them.
+fn typed() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+".contains(c);
+    let quoted = |word: String| match !word.is_empty() && word.chars().all(plain) {
+        true => word,
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("perifrac".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// The scene of a study, whose schemes and solvers are its own.

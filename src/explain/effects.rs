@@ -2,7 +2,7 @@
 
 use super::{Reason, reason};
 use crate::geometry::Side;
-use crate::model::{Form, Sample};
+use crate::model::{Form, LAYERED, Sample};
 use crate::plan::{
     CrackKind, CrackPlan, DamageModel, Load, MechanicsPlan, Normalise, Plan, Support,
 };
@@ -193,7 +193,7 @@ pub(super) fn elasticity(plan: &Plan, sample: &Sample) -> Option<Reason> {
     let solid = sample.solid.as_ref()?;
     let gradient = gradient(solid.corrected);
     let layers = plan.mechanics.as_ref()?.has_layers(plan.damage.is_some());
-    let interfaces = match solid.contrast > VARIES {
+    let interfaces = match solid.contrast > LAYERED {
         false => String::new(),
         true if layers => "; layers in families whose moduli vary".into(),
         true => format!(
@@ -203,9 +203,6 @@ pub(super) fn elasticity(plan: &Plan, sample: &Sample) -> Option<Reason> {
     };
     Some(reason("elastic", format!("two hops{gradient}{interfaces}")))
 }
-
-/// Contrast of shear moduli from which families have layers.
-const VARIES: f64 = 1.01;
 
 fn gradient(corrected: bool) -> &'static str {
     if corrected {

@@ -2,6 +2,7 @@
 //!
 //! Everything here is generic over the dimension `D` (2 or 3) and knows nothing of physics.
 
+mod border;
 mod cell_list;
 mod cloud;
 mod crack;
@@ -19,6 +20,7 @@ mod side;
 mod stencil;
 mod voids;
 
+pub use border::border;
 pub(crate) use cell_list::CellList;
 pub(crate) use cloud::edge;
 pub use cloud::{Cloud, Domain};

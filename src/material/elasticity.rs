@@ -1,6 +1,6 @@
 //! Isotropic linear elasticity.
 
-use crate::geometry::Matrix;
+use crate::geometry::{Matrix, Vector};
 
 /// Lamé's constants of one point, Pa.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,16 @@ impl Lame {
     pub fn stress<const D: usize>(self, strain: &Matrix<D>) -> Matrix<D> {
         strain * (2.0 * self.mu) + Matrix::identity() * (self.lambda * strain.trace())
     }
+}
+
+/// Strain of the displacement gradient e_axis ⊗ `weight`.
+pub fn unit_strain<const D: usize>(axis: usize, weight: &Vector<D>) -> Matrix<D> {
+    let mut strain = Matrix::zeros();
+    for k in 0..D {
+        strain[(axis, k)] += 0.5 * weight[k];
+        strain[(k, axis)] += 0.5 * weight[k];
+    }
+    strain
 }
 
 /// Elastic constants of the drained rock.
@@ -49,9 +59,12 @@ impl Elasticity {
         self.lambda() + 2.0 * self.shear_modulus()
     }
 
-    /// Lamé's constants (λ, μ), Pa.
-    pub fn lame(&self) -> (f64, f64) {
-        (self.lambda(), self.shear_modulus())
+    /// Lamé's constants, Pa.
+    pub fn lame(&self) -> Lame {
+        Lame {
+            lambda: self.lambda(),
+            mu: self.shear_modulus(),
+        }
     }
 }
 
@@ -66,7 +79,7 @@ mod tests {
             youngs_modulus: 1e10,
             poissons_ratio: 0.25,
         };
-        let (lambda, mu) = rock.lame();
+        let Lame { lambda, mu } = rock.lame();
         assert!((lambda - 4e9).abs() < 1.0);
         assert!((mu - 4e9).abs() < 1.0);
         assert!((rock.oedometer_modulus() - 1.2e10).abs() < 1.0);

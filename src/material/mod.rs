@@ -13,6 +13,6 @@ pub use damage::{
     PointState, Tangent, TangentKind,
 };
 pub use eigen::eigen;
-pub use elasticity::{Elasticity, Lame};
+pub use elasticity::{Elasticity, Lame, unit_strain};
 pub use random_field::log_normal;
 pub use storage::storage_coefficient;

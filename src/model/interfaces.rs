@@ -1,13 +1,10 @@
 //! Where bonds leave the region of one material for that of another.
 
-use crate::geometry::{Cloud, Families, Image, Matrix, Vector};
+use crate::geometry::{Cloud, Families, Image, Matrix, Vector, border};
 use crate::material::{Lame, eigen};
 use crate::plan::Plan;
 
 use super::properties::material_at;
-
-/// Halvings that find where a bond leaves a region, to the last bit of its length.
-const HALVINGS: usize = 53;
 
 /// Places per spacing at which a bond is asked for its material; what is thinner may be missed.
 const PLACES: f64 = 4.0;
@@ -139,21 +136,7 @@ impl<const D: usize> Interfaces<'_, D> {
 
     /// Moduli of a material.
     pub(super) fn moduli(&self, material: u16) -> Option<Lame> {
-        let (lambda, mu) = self.plan.materials[usize::from(material)]
-            .elasticity?
-            .lame();
-        Some(Lame { lambda, mu })
+        let elasticity = self.plan.materials[usize::from(material)].elasticity?;
+        Some(elasticity.lame())
     }
-}
-
-/// Where `holds` changes between a place at which it is true and one at which it is not.
-fn border((mut low, mut high): (f64, f64), holds: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        match holds(middle) {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    0.5 * (low + high)
 }

@@ -3,12 +3,13 @@
 use rayon::prelude::*;
 
 use super::interfaces::{Interfaces, Run};
+use super::sample::contrast;
 use crate::geometry::{Matrix, Vector};
 use crate::material::{Backus, eigen};
 use crate::operators::{Gradient, Lame, Laminate, Layered, Neighbourhood, cells_along};
 
-/// Relative difference of moduli within a family that makes layers.
-const ALIKE: f64 = 0.01;
+/// Contrast of moduli within a family from which it has layers.
+pub const LAYERED: f64 = 1.01;
 
 /// Contrast beyond which the stiffness along an interface that is curved is that of the point: with means a circle of
 /// ratio 10, 100, 0.1, 0.01 has an error of the stress of 0.056, 0.33, 0.034, 0.10 (norm over norm, 40 points
@@ -80,7 +81,7 @@ fn families<const D: usize>(
             true => of_regions(interfaces, around, owner, lame),
             false => of_cells(around, weight, owner, lame),
         };
-        if contrast(ends().map(|own| own.mu)) <= CONTRAST * (1.0 + ALIKE) {
+        if contrast(ends().map(|own| own.mu)) <= CONTRAST * LAYERED {
             layered.own = None;
         }
         Some(layered)
@@ -93,15 +94,7 @@ fn families<const D: usize>(
 
 fn vary(lame: impl Iterator<Item = Lame> + Clone) -> bool {
     let shear = contrast(lame.clone().map(|own| own.mu));
-    shear.max(contrast(lame.map(|own| own.lambda + 2.0 * own.mu))) > 1.0 + ALIKE
-}
-
-/// Largest over least.
-fn contrast(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
-    high / low
+    shear.max(contrast(lame.map(|own| own.lambda + 2.0 * own.mu))) > LAYERED
 }
 
 /// The family of a point between regions: bonds are cut where they leave one for another.

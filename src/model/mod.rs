@@ -28,6 +28,7 @@ mod rounding;
 mod sample;
 mod solid;
 mod stabilisation;
+mod walls;
 
 use std::sync::Arc;
 
@@ -43,13 +44,15 @@ pub use error::ModelError;
 pub use fixed::FixedPressure;
 pub use flow::{FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
+pub use laminate::LAYERED;
 pub use operator_choice::{ChosenOperator, Form};
 pub use places::{Faces, Places};
 #[cfg(feature = "study")]
 pub(crate) use properties::material_at;
 pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
-pub use solid::{Drive, MovingWall, SolidModel, driven_walls};
+pub use solid::SolidModel;
+pub use walls::{Drive, MovingWall, driven_walls};
 
 use in_situ::InSitu;
 

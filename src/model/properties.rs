@@ -98,13 +98,7 @@ fn assigned<const D: usize>(
             &material,
             mechanics.is_some(),
             "elastic moduli",
-            |m| {
-                let elasticity = m.elasticity?;
-                Some(Lame {
-                    lambda: elasticity.lambda(),
-                    mu: elasticity.shear_modulus(),
-                })
-            },
+            |m| Some(m.elasticity?.lame()),
         )?,
         biot_coefficient: per_point(
             plan,

@@ -61,8 +61,8 @@ impl<const D: usize> Layered<D> {
     }
 }
 
-/// Part of a bond's weight that softer rock along it leaves: a family that is all soft but for its point would have
-/// no derivative.
+/// Part of a bond's weight that softer rock along it leaves, as in the prototype: a family that is all soft but for
+/// its point would have no derivative.
 const SINGULAR: f64 = 1e-6;
 
 /// All families with layers.

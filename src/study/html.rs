@@ -114,7 +114,7 @@ fn section(section: &Section) -> String {
 
 /// The report of a study.
 pub(super) fn study_page(
-    kind: &str,
+    (kind, command): (&str, &str),
     subject: &StudyCase,
     machine: &Machine,
     findings: &ReportContent,
@@ -122,17 +122,10 @@ pub(super) fn study_page(
     complete: bool,
 ) -> String {
     let mut body = format!(
-        "<p class=\"note\">perifrac {} on {}. Command: <code>perifrac study {kind} {}{}</code></p>\n",
+        "<p class=\"note\">perifrac {} on {}. Command: <code>{}</code></p>\n",
         env!("CARGO_PKG_VERSION"),
         escape(&machine.to_string()),
-        escape(&subject.scene),
-        escape(
-            &subject
-                .overrides
-                .iter()
-                .map(|text| format!(" --set {text}"))
-                .collect::<String>()
-        ),
+        escape(command),
     );
     if !complete {
         body += &paragraph(

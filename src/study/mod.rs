@@ -101,13 +101,14 @@ pub(crate) fn study(name: &str) -> Option<Box<dyn Study>> {
 /// Names of all studies.
 pub(crate) const NAMES: [&str; 4] = ["cost", "contrast", "stability", "convergence"];
 
-/// Writes table, numbers and report of a study into its folder, each file whole or not at all.
+/// Writes table, numbers and report of a study, which tells the `command` it was asked for with, into its folder, each
+/// file whole or not at all.
 ///
 /// # Errors
 /// [`StudyError::Output`] if a file cannot be written.
 pub(crate) fn write_report(
     folder: &Path,
-    study: &dyn Study,
+    (study, command): (&dyn Study, &str),
     subject: &StudyCase,
     runs: &[Measured],
     complete: bool,
@@ -122,6 +123,7 @@ pub(crate) fn write_report(
         "study": study.name(),
         "case": subject.plan.case,
         "overrides": subject.overrides,
+        "command": command,
         "version": env!("CARGO_PKG_VERSION"),
         "machine": machine,
         "complete": complete,
@@ -132,7 +134,14 @@ pub(crate) fn write_report(
     for (name, svg) in findings.pictures() {
         write_atomically(folder.join(name), |out| out.write_all(svg.as_bytes()))?;
     }
-    let page = html::study_page(study.name(), subject, &machine, &findings, runs, complete);
+    let page = html::study_page(
+        (study.name(), command),
+        subject,
+        &machine,
+        &findings,
+        runs,
+        complete,
+    );
     write_atomically(folder.join("report.html"), |out| {
         out.write_all(page.as_bytes())
     })?;

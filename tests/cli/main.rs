@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod costs;
 mod coupled;
 mod documented;
 mod fault_calls;

@@ -99,12 +99,18 @@ pub fn extremes(values: &[f64]) -> (f64, f64) {
 
 /// A unit pressure drop over a unit square of unit mobility, with `points` across: the outflow is 1.
 pub fn square(points: usize) -> String {
+    unit(&[points, points])
+}
+
+/// The same over a unit square or cube, with so many `points` along the axes.
+pub fn unit(points: &[usize]) -> String {
+    let size = vec![1; points.len()];
     format!(
-        r#"title = "square"
+        r#"title = "unit"
 [geometry]
 type = "lattice"
-size = [1, 1]
-points = [{points}, {points}]
+size = {size:?}
+points = {points:?}
 seed = 3
 [fluid]
 viscosity = 1

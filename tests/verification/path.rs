@@ -6,7 +6,7 @@
 
 use perifrac::model::FlowModel;
 
-use crate::support::{flow_model, plan_of, run_text, square};
+use crate::support::{flow_model, plan_of, run_text, square, unit};
 
 const CONTRASTS: [f64; 9] = [1e-12, 1e-8, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e8, 1e12];
 
@@ -270,25 +270,6 @@ fn uniform_flow_is_exact_beside_flux_sides() {
     }
 }
 
-const CUBE: &str = r#"title = "cube"
-[geometry]
-type = "lattice"
-size = [1, 1, 1]
-points = [8, 6, 7]
-seed = 3
-[fluid]
-viscosity = 1
-[materials.rock]
-permeability = 1
-storage = 1
-[flow.boundary.left]
-pressure = 1
-[flow.boundary.right]
-pressure = 0
-[time]
-mode = "steady"
-"#;
-
 #[test]
 fn layers_in_space_carry_the_exact_flux() {
     for cloud in [
@@ -298,7 +279,7 @@ fn layers_in_space_carry_the_exact_flux() {
     ] {
         for k in [1e-12, 1e-4, 1.0, 1e4] {
             let region = r#"{type="half-plane", point=[0.437, 0, 0], normal=[1, 0, 0]}"#;
-            let (summary, _) = run_text(CUBE, &[cloud, &layer(k, region)]);
+            let (summary, _) = run_text(&unit(&[8, 6, 7]), &[cloud, &layer(k, region)]);
             let exact = 1.0 / (0.437 / k + 0.563);
             let error = (summary.outflow["right"] / exact - 1.0).abs();
             assert!(error < 2e-12, "{cloud} {k:e}: {error:e}");
@@ -311,7 +292,7 @@ fn layers_in_space_carry_the_exact_flux() {
 fn a_channel_in_space_carries_all_of_its_flow() {
     let region = r#"{type="box", min=[0, 0.4285, 0.4285], max=[1, 0.5715, 0.5715]}"#;
     let sets = ["geometry.points=[7, 7, 7]", &layer(1e8, region)];
-    let (summary, _) = run_text(CUBE, &sets);
+    let (summary, _) = run_text(&unit(&[8, 6, 7]), &sets);
     let exact = (1e8 + 48.0) / 49.0;
     let error = (summary.outflow["right"] / exact - 1.0).abs();
     assert!(error < 1e-6, "{error:e}");

@@ -2,8 +2,8 @@
 
 use super::{DamageLaw, DamageModel, EnergySplit, PointState};
 use crate::geometry::{Matrix, Vector};
-use crate::material::Lame;
 use crate::material::eigen::eigen;
+use crate::material::{Lame, unit_strain};
 
 /// Stiffness of one point: λ tr(X) I + Q (Θ ∘ QᵀXQ) Qᵀ + r (N:X) N + q (S:X) S for a strain X.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +72,8 @@ impl<const D: usize> Tangent<D> {
     /// Stresses of the strains that a displacement along each axis causes where `weight` (1/m) is its
     /// weight in the gradient, Pa/m.
     pub fn stresses(&self, weight: &Vector<D>, scale: f64) -> [Matrix<D>; D] {
-        std::array::from_fn(|axis| {
-            let mut strain = Matrix::zeros();
-            for k in 0..D {
-                strain[(axis, k)] += 0.5 * scale * weight[k];
-                strain[(k, axis)] += 0.5 * scale * weight[k];
-            }
-            self.stress(&strain)
-        })
+        let scaled = weight * scale;
+        std::array::from_fn(|axis| self.stress(&unit_strain(axis, &scaled)))
     }
 
     /// Largest difference of the moduli to those of another tangent, over the largest modulus of

@@ -118,7 +118,7 @@ impl PointLimit {
 }
 
 /// Largest over smallest of positive numbers.
-fn contrast(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn contrast(values: impl Iterator<Item = f64>) -> f64 {
     let start = (f64::INFINITY, 0.0_f64);
     let (low, high) = values.fold(start, |(low, high), v| (low.min(v), high.max(v)));
     high / low

@@ -18,6 +18,7 @@ use perifrac_solvers::SolverSpec;
 
 use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, StartPlan, TimeMode};
 use crate::geometry::Side;
+use crate::material::Lame;
 use crate::plan::capability;
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
 
@@ -284,7 +285,7 @@ fn split_doubt(plan: &Plan) -> Option<String> {
         return None;
     }
     let strength = |material: &MaterialPlan| {
-        let (lambda, mu) = material.elasticity?.lame();
+        let Lame { lambda, mu } = material.elasticity?.lame();
         let strain = material.biot_coefficient?.powi(2) / material.storage;
         let bulk = lambda + 2.0 * mu / plan.dimension as f64;
         let bar = 1.0 + 2.0 * relaxation * strain / bulk;

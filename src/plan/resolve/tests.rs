@@ -66,8 +66,8 @@ fn mechanics_alone_has_its_defaults_and_no_other_effect() {
     assert!(rock.permeability.is_none() && rock.biot_coefficient.is_none());
     assert!(rock.density.is_none());
     // E = 10 GPa and ν = 1/4 give λ = μ = 4 GPa.
-    let (lambda, mu) = rock.elasticity.unwrap().lame();
-    assert!((lambda - 4e9).abs() < 1.0 && (mu - 4e9).abs() < 1.0);
+    let lame = rock.elasticity.unwrap().lame();
+    assert!((lame.lambda - 4e9).abs() < 1.0 && (lame.mu - 4e9).abs() < 1.0);
 }
 
 #[test]

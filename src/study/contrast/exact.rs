@@ -1,6 +1,6 @@
 //! What flows at a contrast: exactly through layers in series, else between two points per face.
 
-use crate::geometry::{Side, Vector};
+use crate::geometry::{Side, Vector, border};
 use crate::model::{Model, material_at};
 use crate::plan::{GeometryPlan, PermeabilityPlan, Plan, SideCondition};
 use crate::reference::two_point_flow;
@@ -88,9 +88,6 @@ pub(super) fn known(plan: &Plan) -> Option<Known> {
     })
 }
 
-/// Halvings that find an interface between two points to the last bit.
-const HALVINGS: usize = 53;
-
 /// ∫ ds/κ along an axis through the regions of the materials, s Pa/m; `None` unless all points in a row
 /// across it are of one material with one value.
 fn series(plan: &Plan, places: &[Vector<2>], cells: [usize; 2], axis: usize) -> Option<f64> {
@@ -114,16 +111,13 @@ fn series(plan: &Plan, places: &[Vector<2>], cells: [usize; 2], axis: usize) -> 
         if own == next {
             continue;
         }
-        let (mut low, mut high) = (*row(k - 1), *row(k));
-        for _ in 0..HALVINGS {
-            let middle = (low + high) * 0.5;
-            match material(&middle) == own {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
-        sum += (low[axis] - from) * resistivity(own)?;
-        from = low[axis];
+        let (start, end) = (*row(k - 1), *row(k));
+        let share = border((0.0, 1.0), |share| {
+            material(&start.lerp(&end, share)) == own
+        });
+        let interface = start.lerp(&end, share)[axis];
+        sum += (interface - from) * resistivity(own)?;
+        from = interface;
     }
     let last = material(row(cells[axis] - 1));
     Some(sum + (upper[axis] - from) * resistivity(last)?)

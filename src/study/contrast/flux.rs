@@ -69,6 +69,11 @@ pub(super) fn section(subject: &StudyCase, groups: &BTreeMap<String, Group<'_>>)
             runs.len()
         ));
     }
+    if rows.iter().any(|row| row.error < FLOOR) {
+        section
+            .text
+            .push(format!("Errors below {FLOOR:.0e} are drawn there."));
+    }
     draw(&mut section, &curves);
     section.tables.push(table(&curves));
     FluxFindings {

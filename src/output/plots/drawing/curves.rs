@@ -13,7 +13,10 @@ use super::{LinePlot, LineStyle, Series};
 /// Most marks of one series; more are thinned evenly.
 const MOST_MARKS: usize = 400;
 
-/// Marks along a solid curve.
+/// Values of a solid curve up to which each has its mark; of longer ones some have.
+const ALL_MARKED: usize = 24;
+
+/// Marks of a longer solid curve.
 const SPARSE_MARKS: usize = 7;
 
 /// An axis with its label, both in the units shown.
@@ -32,12 +35,7 @@ pub(super) struct Curve {
 /// The horizontal axis that holds all curves.
 pub(super) fn shown_x(plot: &LinePlot<'_>) -> Shown {
     let (mut axis, constant) = Axis::covering(pairs(plot).map(|(x, _)| x), plot.x_log);
-    if !constant
-        && plot
-            .series
-            .iter()
-            .any(|series| series.style == LineStyle::Markers)
-    {
+    if !constant && has_marks(plot) {
         axis = widened(axis, 0.02);
     }
     shown(axis, plot.x_label)
@@ -55,6 +53,13 @@ pub(super) fn shown_y(plot: &LinePlot<'_>) -> Shown {
         wide.high = 0.0;
     }
     shown(wide, plot.y_label)
+}
+
+/// Whether marks stand at both ends of series.
+fn has_marks(plot: &LinePlot<'_>) -> bool {
+    let series = plot.series.iter();
+    series.clone().any(|own| own.style == LineStyle::Markers)
+        || series.filter(|own| own.style == LineStyle::Line).count() > 1
 }
 
 fn widened(axis: Axis, part: f64) -> Axis {
@@ -179,9 +184,12 @@ pub(super) fn draw_curve<B: DrawingBackend>(
         }
         look.stroke(canvas, piece)?;
         if look.marked {
-            // Shifted from curve to curve, so that marks show where curves coincide.
+            // Of long curves others from curve to curve, so that marks show where curves coincide.
             let offset = (look.index as f64 + 0.5) / count as f64;
-            let marks = along(piece, SPARSE_MARKS, offset);
+            let marks = match piece.len() > ALL_MARKED {
+                true => along(piece, SPARSE_MARKS, offset),
+                false => piece.clone(),
+            };
             marks
                 .into_iter()
                 .try_for_each(|place| look.mark(canvas, place))?;
