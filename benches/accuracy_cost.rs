@@ -98,7 +98,7 @@ fn named(overrides: &[String]) -> Result<Plan> {
 fn repeat(plan: &Plan, count: usize) -> Result<Vec<(Summary, State)>> {
     let interrupt = Interrupt::default();
     (0..count)
-        .map(|_| Ok(run::<2>(plan, None, &mut (), &interrupt)?))
+        .map(|_| Ok(run(plan, None, &mut (), &interrupt)?))
         .collect()
 }
 

@@ -99,7 +99,7 @@ fn whole_run(spacing: f64, own: &[&str]) -> Result<(f64, Summary)> {
     let plan = plan::resolve(&loaded, "terzaghi").map_err(|errors| anyhow::anyhow!("{errors}"))?;
     let mut writer = Writer::create(&folder.path().join("out"), &loaded.resolved_toml())?;
     let interrupt = Interrupt::default();
-    let (summary, _) = run::<2>(&plan, Some(&mut writer), &mut (), &interrupt)?;
+    let (summary, _) = run(&plan, Some(&mut writer), &mut (), &interrupt)?;
     Ok((start.elapsed().as_secs_f64(), summary))
 }
 

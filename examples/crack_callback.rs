@@ -63,7 +63,7 @@ pub fn grown_to(longest: f64) -> Result<(f64, f64), Failure> {
         longest,
         interrupt: interrupt.clone(),
     };
-    match run::<2>(&plan, None, &mut watch, &interrupt) {
+    match run(&plan, None, &mut watch, &interrupt) {
         Err(RunError::Interrupted { time }) => Ok((watch.length, time)),
         Ok((summary, _)) => Ok((watch.length, summary.t_end)),
         Err(error) => Err(error.into()),

@@ -26,7 +26,7 @@ type Failure = Box<dyn std::error::Error>;
 /// Flow out on the right at the end, and what Darcy's law says of layers in series, m³/s.
 pub fn outflow() -> Result<[f64; 2], Failure> {
     let plan = Setup::text(SCENE).plan()?;
-    let (summary, state) = run::<2>(&plan, None, &mut (), &Interrupt::default())?;
+    let (summary, state) = run(&plan, None, &mut (), &Interrupt::default())?;
     let cloud = Model::<2>::of(&plan)?.cloud;
     println!("{} steps, to t = {} s", summary.steps, state.time);
     for (x, p) in cloud

@@ -54,7 +54,7 @@ pub fn flow(columns: usize) -> Result<(f64, f64), Failure> {
     let plan = Setup::text(SCENE)
         .points(points(columns, columns / 2)?)
         .plan()?;
-    let (summary, state) = run::<2>(&plan, None, &mut (), &Interrupt::default())?;
+    let (summary, state) = run(&plan, None, &mut (), &Interrupt::default())?;
     let model = Model::<2>::of(&plan)?;
     let exact = |x: f64| 1e5 * ((-x).exp() - (-1_f64).exp()) / (1.0 - (-1_f64).exp());
     let pairs = model.cloud.position.iter().zip(&state.pressure);

@@ -79,7 +79,7 @@ impl Effect for Rain {
 pub fn rise() -> Result<[f64; 3], Failure> {
     let rain = OwnEffect::on_flow(|points| Rain::above(0.9, points));
     let plan = Setup::text(SCENE).effect(rain).plan()?;
-    let (summary, state) = run::<2>(&plan, None, &mut (), &Interrupt::default())?;
+    let (summary, state) = run(&plan, None, &mut (), &Interrupt::default())?;
     println!(
         "the rain was asked {} times",
         summary.counters.evaluations("rain")

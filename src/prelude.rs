@@ -17,7 +17,7 @@
 //!     "#,
 //! )
 //! .plan()?;
-//! let (summary, state) = run::<2>(&plan, None, &mut (), &Interrupt::default())?;
+//! let (summary, state) = run(&plan, None, &mut (), &Interrupt::default())?;
 //! assert!(summary.balance.mass < 1e-8);
 //! assert!(state.pressure.iter().all(|p| (0.0..1e5).contains(p)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())

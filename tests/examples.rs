@@ -103,7 +103,7 @@ fn an_own_force_moves_the_rock_as_a_body_force_does() {
     let body = Setup::text(DRY).set("mechanics.body_force", "[1, 0]");
     let moved = |setup: &Setup| {
         let plan = setup.plan().unwrap();
-        let (_, state) = run::<2>(&plan, None, &mut (), &Interrupt::default()).unwrap();
+        let (_, state) = run(&plan, None, &mut (), &Interrupt::default()).unwrap();
         state.displacement
     };
     let (own, usual) = (moved(&Setup::text(DRY).effect(pull())), moved(&body));
@@ -150,7 +150,7 @@ fn a_run_goes_on_with_its_own_effects_or_not_at_all() {
             from,
             ..Job::new(&mut listener, &interrupt)
         };
-        run_job::<2>(plan, job).map(|(_, state)| state)
+        run_job(plan, job).map(|(_, state)| state)
     };
     let first = go_on(&with, None).unwrap();
     let kept = || Some(Checkpoint::newest(folder.path()).unwrap());

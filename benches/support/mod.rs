@@ -114,7 +114,7 @@ pub fn model<const D: usize>(plan: &Plan) -> Result<Model<D>> {
 
 /// Runs a plane plan without writing anything.
 pub fn summary(plan: &Plan) -> Result<Summary> {
-    Ok(run::<2>(plan, None, &mut (), &Interrupt::default())?.0)
+    Ok(run(plan, None, &mut (), &Interrupt::default())?.0)
 }
 
 /// Seconds that `work` takes.

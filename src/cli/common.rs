@@ -221,11 +221,7 @@ impl Planned {
         let processes = Processes::started().size;
         schemes::check(&self.plan, processes)
             .map_err(|error| self.failure(RunError::refused(&self.plan, error)))?;
-        let explained = match self.plan.dimension {
-            2 => explain::<2>(&self.plan),
-            _ => explain::<3>(&self.plan),
-        };
-        explained.map_err(|error| self.locate(&error))
+        explain(&self.plan).map_err(|error| self.locate(&error))
     }
 
     /// What the plan will do and cost, with model and scheme built where that is quick.
@@ -235,11 +231,7 @@ impl Planned {
     pub(super) fn examine(&self) -> Result<Examined, Failure> {
         let processes = Processes::started().size;
         let plan = self.startable();
-        let examined = match plan.dimension {
-            2 => examine::<2>(&plan, processes),
-            _ => examine::<3>(&plan, processes),
-        };
-        examined.map_err(|error| self.failure(error))
+        examine(&plan, processes).map_err(|error| self.failure(error))
     }
 
     /// The plan without a start that only the stage before will have made.

@@ -227,10 +227,7 @@ impl<'a> Desk<'a> {
             from,
             snapshot: self.snapshot.clone(),
         };
-        let result = match plan.dimension {
-            2 => run_job::<2>(plan, job),
-            _ => run_job::<3>(plan, job),
-        };
+        let result = run_job(plan, job);
         console.finish();
         tell_of_kept(&writer.kept());
         let told = |error| planned.failure(error).with_way_on(writer.folder());
@@ -344,7 +341,7 @@ mod tests {
         let text = cases::find(case).unwrap().scene;
         let loaded = scene::load_str(case, text, Path::new(""), &overrides).unwrap();
         let plan = plan::resolve(&loaded, case).unwrap();
-        let summary = crate::run::run::<2>(&plan, None, &mut (), &Interrupt::default());
+        let summary = crate::run::run(&plan, None, &mut (), &Interrupt::default());
         describe(&summary.unwrap().0)
     }
 

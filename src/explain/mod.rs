@@ -137,11 +137,18 @@ pub struct Number {
     pub meaning: String,
 }
 
-/// Explains a plan of dimension `D`.
+/// Explains a plan.
 ///
 /// # Errors
 /// [`ModelError`] as building the model would give.
-pub fn explain<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
+pub fn explain(plan: &Plan) -> Result<Explanation, ModelError> {
+    match plan.dimension {
+        2 => explain_in::<2>(plan),
+        _ => explain_in::<3>(plan),
+    }
+}
+
+fn explain_in<const D: usize>(plan: &Plan) -> Result<Explanation, ModelError> {
     let sample = sample::<D>(plan)?;
     let built = doubts_of_model::<D>(plan, &sample)?;
     let matrices = size::matrices(plan, &sample);

@@ -42,7 +42,7 @@ fn plan_of(text: &str, overrides: &[&str]) -> Plan {
 }
 
 fn solid(overrides: &[&str]) -> Explanation {
-    explain::<2>(&plan_of(SOLID, overrides)).unwrap()
+    explain(&plan_of(SOLID, overrides)).unwrap()
 }
 
 /// The bundled case without its outputs and its exact solution, which fix its extent and its times.
@@ -52,7 +52,7 @@ fn column(overrides: &[&str]) -> Plan {
 }
 
 fn terzaghi(overrides: &[&str]) -> Explanation {
-    explain::<2>(&column(overrides)).unwrap()
+    explain(&column(overrides)).unwrap()
 }
 
 fn names(reasons: &[Reason]) -> Vec<&str> {

@@ -96,7 +96,7 @@ type Build = dyn Fn(&Points<'_>) -> Box<dyn Effect> + Send + Sync;
 /// "#;
 /// let leak = OwnEffect::on_flow(|points| Leak(points.volume.to_vec()));
 /// let plan = Setup::text(scene).effect(leak).plan()?;
-/// let (_, state) = run::<2>(&plan, None, &mut (), &Interrupt::default())?;
+/// let (_, state) = run(&plan, None, &mut (), &Interrupt::default())?;
 /// // A rate of 1e-6 over a storage of 1e-9 is 1000 Pa a second.
 /// assert!(state.pressure.iter().all(|p| (p - 1e3).abs() < 1e-3));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

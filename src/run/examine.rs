@@ -21,22 +21,45 @@ pub struct Examined {
     pub built: bool,
 }
 
-/// Examines a plan of dimension `D` for a run by so many processes: estimates what it takes, and builds model
-/// and scheme where that takes no more than about half a second.
+/// Examines a plan for a run by so many processes: estimates what it takes, and builds model and scheme where that
+/// takes no more than about half a second.
 ///
 /// # Errors
 /// [`RunError`] as a run would give it at its start.
-pub fn examine<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
-    let refused = |error| RunError::refused(plan, error);
-    schemes::check(plan, processes).map_err(refused)?;
-    let mut explanation = explain::<D>(plan)?;
+pub fn examine(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
+    match plan.dimension {
+        2 => examine_in::<2>(plan, processes),
+        _ => examine_in::<3>(plan, processes),
+    }
+}
+
+/// Builds model and scheme of a plan as a run by one process does before its first step.
+///
+/// # Errors
+/// [`RunError`] as a run would give it at its start.
+pub fn begin(plan: &Plan) -> Result<(), RunError> {
+    schemes::check(plan, 1).map_err(|error| RunError::refused(plan, error))?;
+    match plan.dimension {
+        2 => build_scheme(plan, &Model::<2>::build(plan, &mut Timers::default())?),
+        _ => build_scheme(plan, &Model::<3>::build(plan, &mut Timers::default())?),
+    }
+}
+
+fn build_scheme<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<(), RunError> {
+    if plan.time.mode == TimeMode::Transient {
+        schemes::build(plan, model).map_err(|error| RunError::refused(plan, error))?;
+    }
+    Ok(())
+}
+
+fn examine_in<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
+    schemes::check(plan, processes).map_err(|error| RunError::refused(plan, error))?;
+    let mut explanation = explain(plan)?;
     let built = model_bytes(&explanation.memory) <= MOST_BYTES;
     if built {
         let mut model = Model::<D>::build(plan, &mut Timers::default())?;
         takeover::check_start(plan, Some(&mut model), processes)?;
-        if plan.time.mode == TimeMode::Transient {
-            schemes::build(plan, &model).map_err(refused)?;
-        }
+        build_scheme(plan, &model)?;
         for warning in model.warnings {
             if !explanation.warnings.contains(&warning) {
                 explanation.warnings.push(warning);

@@ -61,7 +61,7 @@ pub struct Progress {
 /// # "#;
 /// let plan = Setup::text(scene).plan()?;
 /// let interrupt = Interrupt::default();
-/// let ended = run::<2>(&plan, None, &mut Impatient(interrupt.clone()), &interrupt);
+/// let ended = run(&plan, None, &mut Impatient(interrupt.clone()), &interrupt);
 /// assert!(matches!(ended, Err(RunError::Interrupted { .. })));
 /// # Ok::<(), SceneErrors>(())
 /// ```
@@ -96,8 +96,8 @@ impl Observer for () {}
 ///     ..Job::new(&mut listener, &interrupt)
 /// };
 /// // Every second step is done twice, which must change nothing.
-/// let (_, state) = run_job::<2>(&plan, job)?;
-/// let (_, usual) = run::<2>(&plan, None, &mut (), &interrupt)?;
+/// let (_, state) = run_job(&plan, job)?;
+/// let (_, usual) = run(&plan, None, &mut (), &interrupt)?;
 /// assert_eq!(state.pressure, usual.pressure);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

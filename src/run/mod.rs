@@ -25,7 +25,7 @@ mod writer;
 pub use checkpoint::{Checkpoint, Record, Snapshot};
 pub use columns::openings;
 pub use error::RunError;
-pub use examine::{Examined, examine};
+pub use examine::{Examined, begin, examine};
 pub use fracture::Results;
 pub use job::{Job, Observer, Progress};
 pub use settings::{CheckpointRule, Settings};

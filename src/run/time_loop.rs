@@ -21,11 +21,11 @@ use crate::plan::{Plan, StepRule, TimeMode};
 use crate::report::{Balance, Timers};
 use crate::schemes::{self, Scheme, SchemeCounters, State, StepControl, StepError, StepReport};
 
-/// Runs a plan of dimension `D`; the final state comes with the summary.
+/// Runs a plan; the final state comes with the summary.
 ///
 /// # Errors
 /// [`RunError`]; what was written until then is complete.
-pub fn run<const D: usize>(
+pub fn run(
     plan: &Plan,
     writer: Option<&mut Writer>,
     observer: &mut dyn Observer,
@@ -35,14 +35,22 @@ pub fn run<const D: usize>(
         writer,
         ..Job::new(observer, interrupt)
     };
-    run_job::<D>(plan, job)
+    run_job(plan, job)
 }
 
 /// As [`run`].
 ///
 /// # Errors
 /// As [`run`]; [`RunError::Elsewhere`] if another process failed.
-pub fn run_job<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, State), RunError> {
+pub fn run_job(plan: &Plan, job: Job<'_>) -> Result<(Summary, State), RunError> {
+    // Here, so that programs need not compile the schemes once more for their own calls.
+    match plan.dimension {
+        2 => run_in::<2>(plan, job),
+        _ => run_in::<3>(plan, job),
+    }
+}
+
+fn run_in<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, State), RunError> {
     let Job {
         team,
         writer,

@@ -19,7 +19,7 @@ impl Observer for Energies {
 fn watched(plan: &Plan) -> Result<(Summary, State, Vec<f64>), RunError> {
     let mut energies = Energies::default();
     let interrupt = Interrupt::default();
-    let (summary, state) = run::<2>(plan, None, &mut energies, &interrupt)?;
+    let (summary, state) = run(plan, None, &mut energies, &interrupt)?;
     Ok((summary, state, energies.0))
 }
 

@@ -37,11 +37,7 @@ pub fn plan_of(text: &str, overrides: &[&str]) -> Plan {
 
 /// Runs a plan without writing anything.
 pub fn try_run(plan: &Plan) -> Result<(Summary, State), RunError> {
-    let interrupt = Interrupt::default();
-    match plan.dimension {
-        2 => run::<2>(plan, None, &mut (), &interrupt),
-        _ => run::<3>(plan, None, &mut (), &interrupt),
-    }
+    run(plan, None, &mut (), &Interrupt::default())
 }
 
 /// Runs a bundled case without writing anything.

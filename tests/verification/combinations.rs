@@ -242,12 +242,12 @@ fn judge(plan: &Plan, processes: usize) -> Result<bool, String> {
         (Some(refusal), Err(told)) if told.ends_with(refusal.as_str()) => Ok(()),
         (refusal, result) => Err(format!("{result:?}, but the table: {refusal:?}")),
     };
-    let examined = examine::<2>(plan, processes);
+    let examined = examine(plan, processes);
     end(examined.map(drop).map_err(|error| error.to_string()))
         .map_err(|why| format!("check: {why}"))?;
     // Several processes are only thought of: what one can run is run by one.
     let ran = match processes {
-        1 => run::<2>(plan, None, &mut (), &Interrupt::default()).map_err(|e| e.to_string()),
+        1 => run(plan, None, &mut (), &Interrupt::default()).map_err(|e| e.to_string()),
         _ => {
             return end(schemes::check(plan, processes).map_err(|error| error.to_string()))
                 .map(|()| refusal.is_none());

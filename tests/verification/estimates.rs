@@ -6,11 +6,7 @@ use crate::support::{plan, try_run};
 
 fn compare(case: &str, overrides: &[&str]) {
     let plan = plan(case, overrides);
-    let told: Explanation = match plan.dimension {
-        2 => explain::<2>(&plan),
-        _ => explain::<3>(&plan),
-    }
-    .unwrap();
+    let told: Explanation = explain(&plan).unwrap();
     let (summary, _) = try_run(&plan).unwrap();
     let within = |what: &str, told: f64, found: f64, factor: f64| {
         let ratio = told / found;

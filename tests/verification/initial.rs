@@ -268,7 +268,7 @@ fn run_in(folder: &Path, overrides: &[&str]) -> State {
         },
         ..Job::new(&mut observer, &interrupt)
     };
-    run_job::<2>(&plan, job).unwrap().1
+    run_job(&plan, job).unwrap().1
 }
 
 /// A run that goes on has the in-situ state of the first one, whatever its tractions are by then.

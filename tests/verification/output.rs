@@ -5,7 +5,7 @@ use std::path::Path;
 use perifrac::geometry::{Stencils, Vector};
 use perifrac::output::{History, Table};
 use perifrac::plan::{CrackPlace, Plan};
-use perifrac::run::{Summary, Writer, openings};
+use perifrac::run::{Interrupt, Summary, Writer, openings, run};
 use perifrac::schemes::State;
 
 use crate::support::{flow_model, model, plan, plan_of, run_text, try_run};
@@ -31,11 +31,10 @@ mode = "steady"
 const SPACE: [&str; 2] = ["geometry.size=[1, 0.5, 0.5]", "geometry.points=[10, 5, 5]"];
 
 /// Runs a plan into a folder; gives its history too.
-fn write<const D: usize>(plan: &Plan, folder: &Path) -> (Summary, Table) {
+fn write(plan: &Plan, folder: &Path) -> (Summary, Table) {
     let mut writer = Writer::create(folder, "").unwrap();
-    let interrupt = perifrac::run::Interrupt::default();
-    let run = perifrac::run::run::<D>(plan, Some(&mut writer), &mut (), &interrupt);
-    let (summary, _) = run.unwrap_or_else(|error| panic!("{error}"));
+    let ran = run(plan, Some(&mut writer), &mut (), &Interrupt::default());
+    let (summary, _) = ran.unwrap_or_else(|error| panic!("{error}"));
     (summary, History::read(folder.join("history.csv")).unwrap())
 }
 
@@ -185,7 +184,7 @@ fn a_region_held_at_a_pressure_has_its_rate() {
     for scheme in ["implicit", "explicit"] {
         let scheme = format!("scheme.name={scheme}");
         let plan = plan_of(&text, &[region, &scheme, "output.plots=false"]);
-        let (summary, table) = write::<2>(&plan, folder.path());
+        let (summary, table) = write(&plan, folder.path());
         let columns = ["outflow_region_1_m3_per_s", "outflow_region_2_m3_per_s"];
         let dt = table.column("step_s").unwrap();
         let out = columns.map(|column| {
@@ -215,7 +214,7 @@ fn the_rate_of_a_held_region_stands_in_a_steady_state_too() {
     let region = "flow.regions=[{region={type=\"box\", min=[0.4, 0], max=[0.6, 0.5]}, pressure=9}]";
     let plan = plan_of(BETWEEN, &[region, "output.plots=false"]);
     let folder = tempfile::tempdir().unwrap();
-    let (summary, table) = write::<2>(&plan, folder.path());
+    let (summary, table) = write(&plan, folder.path());
     let rate = last(&table, "outflow_region_1_m3_per_s");
     assert!(
         (rate + summary.balance.outflow).abs() < 1e-9 * rate.abs(),
@@ -232,7 +231,7 @@ fn figures_of_a_plane_are_those_of_a_slab_of_its_thickness() {
     let folder = tempfile::tempdir().unwrap();
     let run = |overrides: &[&str]| {
         let plan = plan_of(&text, &[overrides, &["output.plots=false"]].concat());
-        write::<2>(&plan, folder.path())
+        write(&plan, folder.path())
     };
     let (one, first) = run(&["wells.in={at=[0.5, 0.25], rate=\"4 m^2/s\"}"]);
     for well in [

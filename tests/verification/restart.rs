@@ -166,8 +166,8 @@ fn run_into(
         ..Job::new(&mut observer, &interrupt)
     };
     let summary = match plan.dimension {
-        2 => run_job::<2>(plan, job)?.0,
-        _ => run_job::<3>(plan, job)?.0,
+        2 => run_job(plan, job)?.0,
+        _ => run_job(plan, job)?.0,
     };
     Ok(summary)
 }

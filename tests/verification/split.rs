@@ -148,7 +148,7 @@ fn peak_pull(plan: &Plan) -> f64 {
         plan,
         peak: f64::MIN,
     };
-    run::<2>(plan, None, &mut pull, &Interrupt::default()).unwrap();
+    run(plan, None, &mut pull, &Interrupt::default()).unwrap();
     pull.peak
 }
 

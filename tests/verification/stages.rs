@@ -75,7 +75,7 @@ fn run_text_in(
         },
         ..Job::new(&mut observer, &interrupt)
     };
-    let (summary, state) = run_job::<2>(&plan, job)?;
+    let (summary, state) = run_job(&plan, job)?;
     Ok((plan, summary, state))
 }
 

@@ -50,7 +50,7 @@ pub fn plan(overrides: &[&str]) -> Plan {
 fn write(folder: &Path, overrides: &[&str]) -> Summary {
     let mut writer = Writer::create(folder, "").unwrap();
     let interrupt = Interrupt::default();
-    let result = run::<2>(&plan(overrides), Some(&mut writer), &mut (), &interrupt);
+    let result = run(&plan(overrides), Some(&mut writer), &mut (), &interrupt);
     result.unwrap_or_else(|error| panic!("{error}")).0
 }
 
@@ -184,7 +184,7 @@ fn history_has_every_step_until_there_are_too_many_and_then_an_even_share() {
         writer.most_rows = most;
         let plan = plan(&["time.step=0.1", "output.plots=false"]);
         let interrupt = Interrupt::default();
-        let (summary, _) = run::<2>(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
+        let (summary, _) = run(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
         let table = History::read(folder.path().join("history.csv")).unwrap();
         (summary, table.column("time_s").unwrap())
     };

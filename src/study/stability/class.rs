@@ -214,7 +214,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = crate::run::Writer::create(folder.path(), "").unwrap();
         let interrupt = crate::run::Interrupt::default();
-        crate::run::run::<2>(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
+        crate::run::run(&plan, Some(&mut writer), &mut (), &interrupt).unwrap();
         let mut row = Row::unmeasured(String::new(), 0, Status::Done, String::new());
         row.fields = profile::fields(folder.path(), profile::RecordedOutput::Extremes);
         assert_eq!(row.fields.len(), 2);

@@ -11,10 +11,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use perifrac::explain::explain;
-use perifrac::model::Model;
-use perifrac::plan::{Plan, TimeMode, resolve};
-use perifrac::report::Timers;
-use perifrac::run::{Interrupt, RunError, examine, run};
+use perifrac::plan::{Plan, resolve};
+use perifrac::run::{Interrupt, RunError, begin, examine, run};
 use perifrac::scene::load_str;
 use perifrac::schemes;
 use perifrac::schemes::StepError;
@@ -121,19 +119,18 @@ fn judge(text: &str, start: bool) -> Result<bool, String> {
     };
     match resolve(&loaded, "scene") {
         Err(_) => Ok(false),
-        Ok(plan) if plan.dimension == 2 => compare::<2>(&plan, start),
-        Ok(plan) => compare::<3>(&plan, start),
+        Ok(plan) => compare(&plan, start),
     }
 }
 
-fn compare<const D: usize>(plan: &Plan, start: bool) -> Result<bool, String> {
+fn compare(plan: &Plan, start: bool) -> Result<bool, String> {
     let told = |error: &RunError| error.to_string();
-    let examined = examine::<D>(plan, 1);
+    let examined = examine(plan, 1);
     let checked = examined.as_ref().map(|_| ()).map_err(told);
     // What estimates alone refuse must be what the model refuses.
     let admitted = schemes::check(plan, 1).map_err(|error| told(&RunError::refused(plan, error)));
     let planned = admitted.and_then(|()| {
-        let explained = explain::<D>(plan).map_err(|error| error.to_string());
+        let explained = explain(plan).map_err(|error| error.to_string());
         explained.map(|explanation| drop(explanation.to_string()))
     });
     if let Err(error) = &planned
@@ -148,33 +145,22 @@ fn compare<const D: usize>(plan: &Plan, start: bool) -> Result<bool, String> {
     // A run estimates what it needs before it takes any of it.
     let begun = match planned.is_err() {
         true => checked.clone(),
-        false => begin::<D>(plan).map_err(|error| told(&error)),
+        false => begin(plan).map_err(|error| told(&error)),
     };
     if begun != checked {
         return Err(format!("run: {begun:?}; check: {checked:?}"));
     }
     match start && begun.is_ok() {
-        true => started::<D>(plan),
+        true => started(plan),
         false => Ok(begun.is_ok()),
     }
 }
 
-/// What a run does before its first step.
-fn begin<const D: usize>(plan: &Plan) -> Result<(), RunError> {
-    let failed = |source| RunError::refused(plan, source);
-    schemes::check(plan, 1).map_err(failed)?;
-    let model = Model::<D>::build(plan, &mut Timers::default())?;
-    if plan.time.mode == TimeMode::Transient {
-        schemes::build(plan, &model).map_err(failed)?;
-    }
-    Ok(())
-}
-
 /// A run that is interrupted at once may fail by its numbers, but not by what the scene asks for.
-fn started<const D: usize>(plan: &Plan) -> Result<bool, String> {
+fn started(plan: &Plan) -> Result<bool, String> {
     let interrupt = Interrupt::default();
     interrupt.raise();
-    match run::<D>(plan, None, &mut (), &interrupt) {
+    match run(plan, None, &mut (), &interrupt) {
         Err(RunError::Step { source, .. }) if is_refusal(&source) => {
             Err(format!("refused by the run alone: {source}"))
         }
