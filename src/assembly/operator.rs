@@ -1,7 +1,5 @@
 //! One trait object per operator: dispatch once per assembly, never per bond.
 
-use std::sync::Arc;
-
 use super::{Pattern, PatternError, Refill, force, scalar};
 use crate::geometry::Vector;
 use crate::operators::{BondForm, MirrorContinuation, Neighbourhood, OpenFace};
@@ -13,9 +11,6 @@ pub trait ScalarOperator<const D: usize>: Send + Sync {
 
     /// The families it lives on.
     fn neighbourhood(&self) -> &Neighbourhood<D>;
-
-    /// The same, shared.
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>>;
 
     /// Number of points whose families reach a second hop.
     fn second_hops(&self) -> usize;
@@ -92,10 +87,6 @@ impl<const D: usize, F: BondForm<D>> ScalarOperator<D> for F {
 
     fn neighbourhood(&self) -> &Neighbourhood<D> {
         BondForm::neighbourhood(self)
-    }
-
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>> {
-        BondForm::shared_neighbourhood(self)
     }
 
     fn second_hops(&self) -> usize {

@@ -9,10 +9,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::diffusion::CrackBonds;
 use crate::effects::{Opening, openings};
 use crate::geometry::Vector;
 use crate::material::eigen;
-use crate::operators::{BondConductance, BondForm, Elastic, Neighbourhood, Response};
+use crate::operators::{BondConductance, BondForm, Elastic, MirrorContinuation, Response};
 
 /// Where fluid is in what is broken.
 #[derive(Clone)]
@@ -26,6 +27,10 @@ pub struct CrackFlow<const D: usize> {
     /// Hydraulic aperture of a closed crack, m.
     residual: f64,
     conduction: Arc<BondConductance<D>>,
+    /// What the rock conducts: values of L without cracks, m^D/(Pa s).
+    pub rock: Arc<Vec<f64>>,
+    /// How the pressure goes on across the sides.
+    extension: Arc<MirrorContinuation<D>>,
 }
 
 /// How points may become wet.
@@ -66,7 +71,8 @@ const KEPT: f64 = 1e-4;
 
 impl<const D: usize> CrackFlow<D> {
     /// Nothing broken yet.
-    pub fn new(around: Arc<Neighbourhood<D>>, residual: f64) -> Self {
+    pub fn new(bonds: CrackBonds<D>, rock: Vec<f64>, residual: f64) -> Self {
+        let CrackBonds { around, extension } = bonds;
         let points = around.len();
         CrackFlow {
             donor: vec![DRY; points],
@@ -74,6 +80,8 @@ impl<const D: usize> CrackFlow<D> {
             pores: vec![0.0; points],
             residual,
             conduction: Arc::new(BondConductance::new(around)),
+            rock: Arc::new(rock),
+            extension,
         }
     }
 
@@ -146,8 +154,8 @@ impl<const D: usize> CrackFlow<D> {
         pair.into_iter().flatten()
     }
 
-    /// Conductances between wet points for a viscosity (Pa s): owner, bond and value, m^D/(Pa s). With a given
-    /// permeability (m²) that of the crack is not asked.
+    /// Conductances between wet points for a viscosity (Pa s): both points and the value, m^D/(Pa s); none through
+    /// sides of prescribed pressure. With a given permeability (m²) that of the crack is not asked.
     ///
     /// The mean of both openings: the harmonic mean of their cubes would starve the tip.
     pub fn conductances(
@@ -168,16 +176,19 @@ impl<const D: usize> CrackFlow<D> {
         wet.flat_map(move |owner| {
             families.family(owner).filter_map(move |bond| {
                 let end = families.neighbour(bond);
-                let conducts = end != owner && self.is_wet(end);
+                let stays = self.extension.sign(families.image(bond)) > 0.0;
+                let conducts = end != owner && stays && self.is_wet(end);
                 let value = || self.conduction.geometric(owner, bond) * mobility(owner, end);
-                conducts.then(|| (owner, bond, value()))
+                conducts.then(|| (owner, end, value()))
             })
         })
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (4 + 8 + size_of::<Opening>()) * self.donor.len() + BondForm::bytes(&*self.conduction)
+        (4 + 8 + size_of::<Opening>()) * self.donor.len()
+            + 8 * self.rock.len()
+            + BondForm::bytes(&*self.conduction)
     }
 }
 

@@ -85,6 +85,38 @@ pub(super) struct Built<const D: usize> {
     pub(super) extension: MirrorContinuation<D>,
     /// What the divergence-consistent gradient achieved, if there is one.
     pub(super) consistency: Option<Consistency>,
+    /// Along which fluid moves in cracks that hold fluid of their own.
+    pub(super) crack_bonds: Option<CrackBonds<D>>,
+}
+
+/// Bonds along which fluid moves in cracks: those of whole families, whatever the operator of the rock.
+#[derive(Debug, Clone)]
+pub struct CrackBonds<const D: usize> {
+    /// The families with their weights.
+    pub around: Arc<Neighbourhood<D>>,
+    /// How the pressure goes on across the sides.
+    pub extension: Arc<MirrorContinuation<D>>,
+}
+
+impl<const D: usize> CrackBonds<D> {
+    fn new(
+        plan: &Plan,
+        flow: &FlowPlan,
+        cloud: &Arc<Cloud<D>>,
+        families: Families<D>,
+    ) -> Result<Self, GeometryError> {
+        let extension = continuation(flow, cloud, &families);
+        let one_sided = Side::all(D).any(|side| extension.parity(side) == Parity::OneSided);
+        let families = match one_sided {
+            true => families.retain_images(|image| extension.keeps(image))?,
+            false => families,
+        };
+        let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
+        Ok(CrackBonds {
+            around: Arc::new(around),
+            extension: Arc::new(extension),
+        })
+    }
 }
 
 /// Builds the chosen operator.
@@ -101,16 +133,11 @@ pub(super) fn operator<const D: usize>(
     if let Form::Path(cells) = form {
         return path(plan, flow, cells, (cloud, points, families), warnings);
     }
-    let extension = continuation(flow, cloud, &families);
+    let bonds = CrackBonds::new(plan, flow, cloud, families)?;
+    let (around, extension) = (bonds.around.clone(), &bonds.extension);
     let one_sided: Vec<bool> = Side::all(D)
         .map(|side| extension.parity(side) == Parity::OneSided)
         .collect();
-    let families = match one_sided.iter().any(|&o| o) {
-        true => families.retain_images(|image| extension.keeps(image))?,
-        false => families,
-    };
-    let around = Neighbourhood::new(cloud.clone(), Arc::new(families), plan.influence)?;
-    let around = Arc::new(around);
     let mut consistency = None;
     let operator = match form {
         Form::Bond => bond_operator(&around, &one_sided, warnings)?,
@@ -118,8 +145,9 @@ pub(super) fn operator<const D: usize>(
     };
     Ok(Built {
         operator: operator.into(),
-        extension,
+        extension: MirrorContinuation::clone(extension),
         consistency,
+        crack_bonds: plan.has_crack_fluid().then_some(bonds),
     })
 }
 
@@ -170,6 +198,10 @@ fn path<const D: usize>(
             horizon: families.horizon[point],
         }));
     }
+    let crack_bonds = match plan.has_crack_fluid() {
+        true => Some(CrackBonds::new(plan, flow, cloud, families.clone())?),
+        false => None,
+    };
     let found = Tessellation::new(cloud, families, cells)?;
     let extension = continuation(flow, cloud, &found.families);
     let interfaces = Interfaces {
@@ -197,6 +229,7 @@ fn path<const D: usize>(
         operator: Arc::new(operator),
         extension,
         consistency: None,
+        crack_bonds,
     })
 }
 

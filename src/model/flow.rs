@@ -17,7 +17,7 @@ use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 use crate::report::{Flows, Timers};
 
 use super::bands::Bands;
-use super::diffusion::operator;
+use super::diffusion::{CrackBonds, operator};
 use super::fixed::{FixedPressure, fixed_points};
 use super::lattice::lattice;
 use super::operator_choice::ChosenOperator;
@@ -51,6 +51,8 @@ pub struct FlowModel<const D: usize> {
     pub fixed_loads: Vec<Load>,
     /// What the divergence-consistent gradient achieved, if it is used.
     pub consistency: Option<Consistency>,
+    /// Along which fluid moves in cracks that hold fluid of their own.
+    pub(super) crack_bonds: Option<CrackBonds<D>>,
     /// Initial pressure, shape `(n,)`, Pa.
     pub initial: Vec<f64>,
     /// Sides of prescribed pressure.
@@ -118,6 +120,7 @@ impl<const D: usize> FlowModel<D> {
             fixed_loads,
             refills: Arc::default(),
             consistency: built.consistency,
+            crack_bonds: built.crack_bonds,
             timers: Timers::default(),
             column,
         })
@@ -136,6 +139,10 @@ impl<const D: usize> FlowModel<D> {
             let term = Stabilisation::new(self.operator.neighbourhood(), coupling, strength);
             pattern = pattern.union(&term.pattern()?)?;
             self.stabilisation = term.values(&pattern);
+        }
+        if let Some(bonds) = &self.crack_bonds {
+            let families = &bonds.around.families;
+            pattern = pattern.union(&Pattern::of_families(families, |_| false)?)?;
         }
         self.conductance = vec![0.0; pattern.nonzeros()];
         self.refill_plan = Arc::new(self.operator.refill_plan(&self.extension, &pattern));
@@ -174,16 +181,11 @@ impl<const D: usize> FlowModel<D> {
         self.refills.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Adds conductances of bonds (owner, bond, m^D/(Pa s)) to L; none through sides of prescribed pressure.
-    pub fn add_conductances(&mut self, bonds: impl Iterator<Item = (usize, usize, f64)>) {
-        let families = &self.operator.neighbourhood().families;
+    /// Adds conductances between pairs of points (m^D/(Pa s)) to L.
+    pub fn add_conductances(&mut self, pairs: impl Iterator<Item = (usize, usize, f64)>) {
         let pattern = &self.pattern;
-        for (owner, bond, value) in bonds {
-            if self.extension.sign(families.image(bond)) < 0.0 {
-                continue;
-            }
-            let end = families.neighbour(bond);
-            for (row, column) in [(owner, end), (end, owner)] {
+        for (one, other, value) in pairs {
+            for (row, column) in [(one, other), (other, one)] {
                 if let Some(place) = pattern.find(row, column) {
                     self.conductance[place] -= value;
                     self.conductance[pattern.diagonal(row)] += value;

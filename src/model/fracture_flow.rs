@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use super::crack_flow::{CrackFlow, WET, Wetting};
 use super::{Coupling, FlowModel, Model, SolidModel};
 use crate::effects::aperture;
-use crate::material::DamageModel;
 use crate::operators::Response;
 use crate::plan::{FractureFlowPlan, Plan, TransmissivityRule};
 
@@ -46,12 +45,12 @@ impl<const D: usize> FractureFlow<D> {
         permeability: &[f64],
     ) -> Option<Self> {
         let (own, flow, coupling) = (plan.fracture_flow?, flow?, coupling?);
-        let split = plan
-            .damage
-            .is_some_and(|damage| damage.model == DamageModel::Split);
-        let around = || flow.operator.shared_neighbourhood();
+        let bonds = flow.crack_bonds.clone();
         // Only the paper mixes storage and Biot's coefficient with those of a crack.
-        let mixed = |rock: &[f64]| if split { Vec::new() } else { rock.to_vec() };
+        let mixed = |rock: &[f64]| match bonds {
+            Some(_) => Vec::new(),
+            None => rock.to_vec(),
+        };
         Some(FractureFlow {
             plan: own,
             permeability: permeability.to_vec(),
@@ -59,7 +58,9 @@ impl<const D: usize> FractureFlow<D> {
             weight: mixed(&coupling.divergence.weight),
             viscosity: plan.fluid.viscosity,
             aperture: vec![0.0; flow.points()],
-            cracks: split.then(|| CrackFlow::new(around(), own.residual_aperture)),
+            cracks: bonds.map(|bonds| {
+                CrackFlow::new(bonds, flow.conductance.clone(), own.residual_aperture)
+            }),
             evaluations: Arc::default(),
         })
     }
@@ -167,7 +168,7 @@ impl<const D: usize> FractureFlow<D> {
     pub(super) fn conduct(&mut self, flow: &mut FlowModel<D>, permeability: &mut [f64]) {
         let Some(cracks) = &self.cracks else { return };
         let viscosity = self.plan.viscosity.unwrap_or(self.viscosity);
-        flow.refill();
+        flow.conductance.clone_from(&cracks.rock);
         flow.add_conductances(cracks.conductances(viscosity, self.plan.permeability));
         for (i, own) in cracks.opening.iter().enumerate() {
             self.aperture[i] = own.opening;

@@ -104,7 +104,7 @@ fn automatic(
         let why = "flow.gradient is named, which is its own";
         return (Some(Form::Correspondence), why.to_owned());
     }
-    if plan.fracture_flow.is_none() && plan.geometry.tells_cells() {
+    if !mixes(plan) && plan.geometry.tells_cells() {
         return (None, "right at every contrast".to_owned());
     }
     let (limit, cloud) = match irregular {
@@ -116,7 +116,7 @@ fn automatic(
             let why = format!("permeability contrast {contrast:.3e}, above {limit} on {cloud}");
             (Some(Form::Bond), why)
         }
-        false if plan.fracture_flow.is_some() => {
+        false if mixes(plan) => {
             let why = "fractures conduct better than rock";
             (Some(Form::Bond), why.to_owned())
         }
@@ -125,6 +125,12 @@ fn automatic(
             (Some(Form::Correspondence), why)
         }
     }
+}
+
+/// Whether rock takes on the properties of cracks where it breaks, as in the model of the paper: then fluid
+/// moves in cracks by the operator of the rock, and must get past points that are not broken.
+fn mixes(plan: &Plan) -> bool {
+    plan.fracture_flow.is_some() && !plan.has_crack_fluid()
 }
 
 /// What a form is in for where permeabilities differ by `contrast`.
@@ -145,7 +151,7 @@ fn doubt(form: Form, contrast: f64, plan: &Plan) -> Option<String> {
              thin ones"
         }
     };
-    let remedy = match (form, plan.fracture_flow.is_some()) {
+    let remedy = match (form, mixes(plan)) {
         (_, false) => "; use flow.operator = \"path\"",
         (Form::Correspondence, true) => "; use flow.operator = \"bond\"",
         (_, true) => "",

@@ -132,10 +132,6 @@ impl<const D: usize> BondForm<D> for BondConductance<D> {
         &self.around
     }
 
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>> {
-        self.around.clone()
-    }
-
     fn geometric(&self, _owner: usize, bond: usize) -> f64 {
         self.geometric[bond]
     }

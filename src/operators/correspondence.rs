@@ -88,10 +88,6 @@ impl<const D: usize> BondForm<D> for Correspondence<D> {
         &self.around
     }
 
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>> {
-        self.around.clone()
-    }
-
     fn geometric(&self, owner: usize, bond: usize) -> f64 {
         let scale = 2.0 * self.hourglass / self.around.moment[owner];
         scale * self.around.cloud.volume[owner] * self.around.measure[bond]

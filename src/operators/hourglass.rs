@@ -53,10 +53,6 @@ impl<const D: usize> BondForm<D> for Hourglass<D> {
         &self.around
     }
 
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>> {
-        self.around.clone()
-    }
-
     fn geometric(&self, owner: usize, bond: usize) -> f64 {
         self.factor[owner] * self.around.cloud.volume[owner] * self.around.measure[bond]
     }

@@ -43,8 +43,6 @@ pub use path::{
 
 pub use crate::material::Lame;
 
-use std::sync::Arc;
-
 use crate::geometry::{Matrix, Side, Vector};
 
 /// One term Wᵀ M W that couples all bonds of a family.
@@ -76,9 +74,6 @@ pub trait BondForm<const D: usize>: Send + Sync {
 
     /// The families the form lives on.
     fn neighbourhood(&self) -> &Neighbourhood<D>;
-
-    /// The same, shared.
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>>;
 
     /// Geometric factor of one bond of `owner`: its conductance for unit mobility, m^(D−2).
     fn geometric(&self, owner: usize, bond: usize) -> f64;

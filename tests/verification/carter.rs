@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use perifrac::plan::Plan;
 
-use crate::support::{model, plan, try_run};
+use crate::support::{model, plan, plan_of, try_run};
 
 const MODULUS: f64 = 20e9 / 0.96;
 const RATE: f64 = 1e-4;
@@ -13,7 +13,8 @@ const NOTCH: f64 = 0.5;
 
 /// Fluid efficiency after `end` seconds of a crack whose fluid has no friction: 2π l² p/E′ of it is open at the net
 /// pressure p, at most K_Ic/√(πl), and every point of its four faces has taken 2 √(κ s/π) ∫ √(t − t′) dp(t′) since it
-/// came to be. Integrated in time, with faces of 2 mm.
+/// came to be. Each tip takes κ ∫ p dt more: what a slit of pressure takes in the plane, beside its faces, by the
+/// corner of 2π at its end (van den Berg and Srisatkunarajah 1990). Integrated in time, with faces of 2 mm.
 fn efficiency(mobility: f64, storage: f64, end: f64) -> f64 {
     const FACE: f64 = 2e-3;
     let dt = end / 400.0;
@@ -35,7 +36,8 @@ fn efficiency(mobility: f64, storage: f64, end: f64) -> f64 {
                 }
                 leaks * sum
             };
-            4.0 * FACE * since.iter().map(|from| taken(*from)).sum::<f64>()
+            let tips = 2.0 * mobility * dt * pressure.iter().map(|(_, value)| value).sum::<f64>();
+            4.0 * FACE * since.iter().map(|from| taken(*from)).sum::<f64>() + tips
         };
         let filled = |since: &[f64], net: f64| {
             let mut now = pressure.clone();
@@ -81,7 +83,7 @@ fn half_of_the_fluid_leaks_off_by_carters_law() {
     let block = "geometry.size=[\"1.6 m\", \"2.4 m\"]";
     let found = kept(&plan("kgd-leak-off", &["geometry.spacing=4 cm", block]));
     let exact = efficiency(2.5e-13, 1e-10, 2.0);
-    assert!((0.52..0.54).contains(&exact), "{exact}");
+    assert!((0.50..0.52).contains(&exact), "{exact}");
     assert!((found / exact - 1.0).abs() < 0.05, "{found} for {exact}");
 }
 
@@ -114,5 +116,82 @@ fn fluid_of_a_crack_is_where_rock_is_broken() {
     for point in wet {
         let damage = response.damage[point];
         assert!(damage >= 0.01, "{point}: {damage}");
+    }
+}
+
+/// A crack from side to side whose fluid leaves through the rock above it, in which lies a barrier one cell thick
+/// and a million times tighter.
+const BARRIER: &str = r#"title = "A crack beside a barrier one cell thick"
+[geometry]
+type = "lattice"
+size = ["0.5 m", "2 m"]
+spacing = "5 cm"
+
+[fluid]
+viscosity = "1 mPa s"
+
+[materials.rock]
+youngs_modulus = "20 GPa"
+poissons_ratio = 0.2
+fracture_energy = "1e9 J/m^2"
+permeability = "1e-14 m^2"
+storage = "1e-12 1/Pa"
+biot_coefficient = 0
+
+[materials.barrier]
+youngs_modulus = "20 GPa"
+poissons_ratio = 0.2
+fracture_energy = "1e9 J/m^2"
+permeability = "1e-20 m^2"
+storage = "1e-12 1/Pa"
+biot_coefficient = 0
+region = { type = "box", min = ["0 m", "1 m"], max = ["0.5 m", "1.05 m"] }
+
+[mechanics]
+[mechanics.boundary.left]
+roller = true
+[mechanics.boundary.right]
+roller = true
+[mechanics.boundary.bottom]
+roller = true
+[mechanics.boundary.top]
+roller = true
+
+[flow]
+[flow.boundary.top]
+pressure = 0
+
+[coupling]
+undrained_start = false
+
+[damage]
+
+[fracture_flow]
+
+[cracks.main]
+kind = "damaged"
+points = [["0 m", "0 m"], ["0.5 m", "0 m"]]
+injection = { rate = "2e-13 m^2/s", at = ["0 m", "0 m"] }
+
+[scheme]
+name = "monolithic"
+
+[time]
+end = "1e9 s"
+
+[output]
+vtu = false
+"#;
+
+/// Of rock in series the barrier holds q h/κ, whatever the families of the crack reach across: 500 Pa for
+/// 1e-13 m/s through 5 cm of 1e-17 m²/(Pa s), and 0.02 Pa the rock. The same with rock that conducts so along layers.
+#[test]
+fn a_crack_leaks_through_a_barrier_of_one_cell_as_through_layers_in_series() {
+    let along = "materials.barrier.permeability={k1=\"1e-17 m^2\", k2=\"1e-20 m^2\", angle=0}";
+    for barrier in ["materials.barrier.permeability=1e-20", along] {
+        let (summary, state) = try_run(&plan_of(BARRIER, &[barrier])).unwrap();
+        let crack = state.pressure[0];
+        assert!((crack / 500.02 - 1.0).abs() < 1e-4, "{barrier}: {crack}");
+        assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
     }
 }

@@ -54,7 +54,7 @@ const TRIPLES: u64 = 400;
 const SEED: u64 = 7;
 
 /// What a scene says to ask for a feature, where that depends on no other.
-const WORDS: [(Feature, &str); 18] = [
+const WORDS: [(Feature, &str); 19] = [
     (Feature::HydrostaticStart, "flow.hydrostatic_start=true"),
     (
         Feature::Wells,
@@ -91,6 +91,7 @@ const WORDS: [(Feature, &str); 18] = [
     (Feature::Layers, "mechanics.interfaces=laminate"),
     (Feature::Stabilisation, "coupling.stabilisation=0.5"),
     (Feature::Damage, "damage.length_scale=0.5"),
+    (Feature::MixedRock, "damage.model=paper"),
     (Feature::FractureFlow, "fracture_flow.aperture=normal"),
     (Feature::Steady, "time.mode=steady"),
     (Feature::TrBdf2, "time.integrator=tr-bdf2"),

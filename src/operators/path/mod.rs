@@ -166,10 +166,6 @@ impl<const D: usize> BondForm<D> for Path<D> {
         &self.around
     }
 
-    fn shared_neighbourhood(&self) -> Arc<Neighbourhood<D>> {
-        self.around.clone()
-    }
-
     fn geometric(&self, _owner: usize, bond: usize) -> f64 {
         self.geometric[bond]
     }

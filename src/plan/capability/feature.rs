@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use crate::material::DamageModel;
 use crate::plan::types::{
-    CrackKind, GradientChoice, Integrator, InterfaceChoice, OperatorChoice, Plan, SideCondition,
-    TimeMode,
+    CrackKind, DamagePlan, GradientChoice, Integrator, InterfaceChoice, OperatorChoice, Plan,
+    SideCondition, TimeMode,
 };
 
 /// One thing that a plan may ask for: an effect, an option of one, or the way of the run.
@@ -52,6 +53,8 @@ pub enum Feature {
     Stabilisation,
     /// Damage.
     Damage,
+    /// Damage as in the paper, where broken rock has properties between those of rock and of a crack.
+    MixedRock,
     /// Flow in what is broken.
     FractureFlow,
     /// A crack whose bonds do not exist.
@@ -75,7 +78,7 @@ pub type Features = BTreeSet<Feature>;
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Feature; 29] = [
+    pub const ALL: [Feature; 30] = [
         Feature::Flow,
         Feature::HydrostaticStart,
         Feature::HydrostaticSide,
@@ -97,6 +100,7 @@ impl Feature {
         Feature::UndrainedStart,
         Feature::Stabilisation,
         Feature::Damage,
+        Feature::MixedRock,
         Feature::FractureFlow,
         Feature::CutCrack,
         Feature::DamagedCrack,
@@ -131,6 +135,7 @@ impl Feature {
             Feature::UndrainedStart => "coupling.undrained_start = true",
             Feature::Stabilisation => "coupling.stabilisation > 0",
             Feature::Damage => "[damage]",
+            Feature::MixedRock => "damage.model = \"paper\"",
             Feature::FractureFlow => "[fracture_flow]",
             Feature::CutCrack => "cracks.NAME.kind = \"cut\"",
             Feature::DamagedCrack => "cracks.NAME.kind = \"damaged\"",
@@ -158,6 +163,7 @@ impl Feature {
             | Feature::ConsistentGradient
             | Feature::Layers => &[Feature::Mechanics],
             Feature::InitialField => &[Feature::InitialStress],
+            Feature::MixedRock => &[Feature::Damage],
             Feature::UndrainedStart | Feature::Stabilisation => &[Feature::Coupling],
             Feature::Injection => &[Feature::DamagedCrack],
             Feature::CrackPressure => &[Feature::CutCrack, Feature::DamagedCrack],
@@ -173,6 +179,7 @@ pub fn features(plan: &Plan, processes: usize) -> Features {
         (Feature::Gravity, plan.gravity.is_some()),
         (Feature::Wells, !plan.wells.is_empty()),
         (Feature::Damage, plan.damage.is_some()),
+        (Feature::MixedRock, plan.damage.as_ref().is_some_and(mixes)),
         (Feature::FractureFlow, plan.fracture_flow.is_some()),
         (Feature::Steady, plan.time.mode == TimeMode::Steady),
         (Feature::TrBdf2, integrator == Some(Integrator::TrBdf2)),
@@ -185,6 +192,10 @@ pub fn features(plan: &Plan, processes: usize) -> Features {
     found.extend(of_coupling(plan));
     found.extend(of_cracks(plan));
     found
+}
+
+fn mixes(damage: &DamagePlan) -> bool {
+    damage.model == DamageModel::Paper
 }
 
 fn of_flow(plan: &Plan) -> Vec<Feature> {

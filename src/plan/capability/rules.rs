@@ -195,14 +195,14 @@ pub static RULES: &[Rule] = &[
         )
     },
     refuse(
-        &[PathOperator, FractureFlow],
-        "the path operator does not know what broken rock conducts",
+        &[PathOperator, MixedRock, FractureFlow],
+        "the path operator does not know what rock conducts that is partly a crack",
         "set flow.operator = \"bond\", or leave it out",
     ),
     refuse(
-        &[PermeabilityTensor, FractureFlow],
-        "flow in fractures does not know permeability tensors",
-        "give one value for the permeability, or leave [fracture_flow] out",
+        &[PermeabilityTensor, MixedRock, FractureFlow],
+        "rock that is partly a crack does not know permeability tensors",
+        "give one value for the permeability, or set damage.model = \"split\"",
     ),
     refuse(
         &[CutCrack, Flow],

@@ -41,7 +41,7 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
     match feature {
         Feature::Gravity => section(&scene.gravity),
         Feature::Coupling => section(&scene.coupling),
-        Feature::Damage => section(&scene.damage),
+        Feature::Damage | Feature::MixedRock => section(&scene.damage),
         Feature::FractureFlow => section(&scene.fracture_flow),
         Feature::Wells => vec![scene.wells.span],
         Feature::Steady => vec![scene.time.mode.span],

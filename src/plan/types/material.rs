@@ -1,8 +1,8 @@
 //! What a plan says about the rock.
 
-use super::Plan;
+use super::{DamagePlan, Plan};
 use crate::geometry::Shape;
-use crate::material::Elasticity;
+use crate::material::{DamageModel, Elasticity};
 
 /// A material and where it is.
 #[derive(Debug, Clone)]
@@ -63,6 +63,12 @@ pub enum PermeabilityPlan {
 }
 
 impl Plan {
+    /// Whether cracks hold fluid of their own, beside that in the pores: flow in fractures of the split model.
+    pub fn has_crack_fluid(&self) -> bool {
+        let split = |damage: &DamagePlan| damage.model == DamageModel::Split;
+        self.fracture_flow.is_some() && self.damage.as_ref().is_some_and(split)
+    }
+
     /// Whether flow meets a permeability that is a tensor.
     pub fn has_tensors(&self) -> bool {
         let is_tensor =
