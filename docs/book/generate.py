@@ -44,7 +44,7 @@ FORMS = {
     "layers-stiffness": "layers-stiffness",
     "sneddon": "sneddon --set geometry.spacing=0.01",
     "notched-tension": "notched-tension/smoke",
-    "notched-shear": "notched-shear/smoke",
+    "notched-shear": "notched-shear/smoke --set geometry.points=[24,24] --set damage.length_scale=0.1666667e-3",
     "pressurised-notch": "pressurised-notch/smoke --set geometry.spacing=0.025",
     "natural-fractures": "natural-fractures/smoke --set geometry.spacing=0.03",
     "injection-rate": "injection-rate/smoke --set geometry.spacing=0.03",
@@ -53,7 +53,7 @@ FORMS = {
     "kgd-leak-off": "kgd-leak-off/smoke",
     "breakdown": "breakdown/smoke",
     "inclined-injection": "inclined-injection/smoke",
-    "staged-injection": "staged-injection --set geometry.spacing=0.04",
+    "staged-injection": "staged-injection --set geometry.spacing=0.08",
     "penny-3d": "penny-3d/smoke",
     "manufactured": "manufactured",
 }
@@ -63,6 +63,8 @@ OWN = {
     "strip-load": "strip-load.toml",
     "inclined-crack": "inclined-crack.toml",
     "injection": "injection.toml",
+    "own-points": "own-points.toml",
+    "own-array": "own-array.toml",
 }
 
 # Pictures of a page, the first of each line that a run left.
@@ -218,7 +220,7 @@ def gallery(folder, known):
     parts = [
         "# Gallery",
         "",
-        "Pictures as runs leave them, each by the command under it.",
+        "Pictures as runs leave them. The page of each case has the command.",
         "",
         '<div class="gallery" markdown>',
         "",
@@ -428,6 +430,7 @@ class Keys:
     def page(self):
         schema = self.schema
         self.lines += [
+            "---\nsearch:\n  boost: 4\n---\n",
             "# Every key of a scene",
             "",
             "Made from `perifrac schema`, which also serves editors. " + self.prose(schema.get("description")),
@@ -562,18 +565,24 @@ def navigation(known, decisions):
     text = (BOOK / "mkdocs.yml").read_text(encoding="utf-8")
 
     def pages(title, folder, names):
-        entries = [f"  - {title}:", f"      - {folder}/index.md"]
-        return "\n".join(entries + [f"      - {folder}/{name}" for name in names])
+        entries = [f"      - {title}:", f"          - {folder}/index.md"]
+        return "\n".join(entries + [f"          - {folder}/{name}" for name in names])
 
-    verification = pages("Verification", "verification", [f"{name}.md" for name in known])
-    adr = "      - Decisions:\n          - adr/index.md\n" + "\n".join(f"          - adr/{path.name}" for path in decisions)
-    text = text.replace("  - Verification: verification", verification)
-    text = text.replace("      - Decisions: adr", adr)
+    for title, folder, names in (
+        ("Verification", "verification", [f"{name}.md" for name in known]),
+        ("Decisions", "adr", [path.name for path in decisions]),
+    ):
+        line = f"      - {title}: {folder}"
+        if line not in text:
+            raise Fault(f"mkdocs.yml has no line `{line}`")
+        text = text.replace(line, pages(title, folder, names))
     (OUT / "mkdocs.yml").write_text(text, encoding="utf-8")
 
 
 def main():
     program = Path(sys.argv[1]).resolve()
+    if not program.exists():
+        raise Fault(f"there is no program {program}; build it with `cargo build --release`")
     OUT.mkdir(parents=True, exist_ok=True)
     start = time.monotonic()
     took = runs(program, OUT / "runs")
