@@ -325,7 +325,8 @@ class Keys:
         if "array" in types:
             return "list of: " + self.kind(own["items"])
         if "object" in types:
-            return "a table, below"
+            listed = own.get("properties") or isinstance(own.get("additionalProperties"), dict)
+            return "a table, below" if listed else "a table"
         return {"string": "text", "boolean": "`true` or `false`", "integer": "whole number", "number": "number"}.get(
             types[0] if types else "", "any"
         )
