@@ -117,6 +117,8 @@ pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<Name, Name> {
         ("results.dissipated_energy", "J"),
         ("results.onset_pressure", "Pa"),
         ("results.peak_injection_pressure", "Pa"),
+        ("results.crack_volume", "m^3"),
+        ("results.leaked_volume", "m^3"),
         ("balance.energy", "J"),
         ("balance.potential", "J"),
         ("balance.kinetic", "J"),

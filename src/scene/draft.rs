@@ -15,7 +15,8 @@ use super::sections::{
 use super::span::{Named, Spanned};
 use super::validate::{Context, Report, Section};
 
-/// A perifrac scene. A bare number is in SI units; a text carries its unit, such as "10 mD".
+/// A perifrac scene. A bare number is in SI units; a text carries its unit, such as "10 mD". A unit is a product of
+/// symbols, such as "kN/m^2" or "kg/(m s)", and most of them take the prefixes f, p, n, u, m, c, d, h, k, M, G and T.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Scene")]

@@ -319,10 +319,18 @@ impl<D: Dimension> JsonSchema for Quantity<D> {
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let unit = if D::UNIT.is_empty() { "1" } else { D::UNIT };
+        let symbols = units::symbols_of(D::ACCEPTED).join(", ");
+        let symbols = match symbols.is_empty() {
+            true => symbols,
+            false => format!("; symbols: {symbols}"),
+        };
         json_schema!({
             "type": ["number", "string"],
-            "description":
-                format!("{}: a number in {unit}, or a text with a unit such as \"{}\"", D::NAME, D::EXAMPLE),
+            "description": format!(
+                "{}: a number in {unit}, or a text with a unit such as \"{}\"{symbols}",
+                D::NAME,
+                D::EXAMPLE
+            ),
         })
     }
 }

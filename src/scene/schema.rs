@@ -3,6 +3,8 @@
 use schemars::generate::SchemaSettings;
 
 use super::draft::Draft;
+use super::overrides::BASE;
+use super::stages::STAGES;
 
 /// The JSON schema (draft 7, which editors know best) of a scene file.
 ///
@@ -10,7 +12,21 @@ use super::draft::Draft;
 /// between keys are checked only when a scene is loaded.
 pub fn json_schema() -> serde_json::Value {
     let mut generator = SchemaSettings::draft07().into_generator();
-    generator.root_schema_for::<Draft>().to_value()
+    let mut schema = generator.root_schema_for::<Draft>().to_value();
+    // Both are taken out of a file before its sections are read.
+    schema["properties"][BASE] = serde_json::json!({
+        "type": "string",
+        "description": "Path of the scene file that this one changes, relative to it; that file may have a base itself. \
+                        Sections of this file add to those of the base, and its values replace theirs.",
+    });
+    schema["properties"][STAGES] = serde_json::json!({
+        "type": "array",
+        "items": { "type": "object" },
+        "description": "At the end of the file: runs that follow one another, `[[stages]]` each, with a `name` and the \
+                        sections that change, as in `[stages.time]`. Each starts with the state in which the one before \
+                        ended.",
+    });
+    schema
 }
 
 #[cfg(test)]
@@ -142,6 +158,37 @@ mod tests {
         for object in found {
             assert_eq!(object["additionalProperties"], json!(false), "{object}");
         }
+    }
+
+    #[test]
+    fn what_is_taken_out_of_a_file_first_is_described_too() {
+        let schema = json_schema();
+        for key in ["base", "stages"] {
+            assert!(
+                schema["properties"][key]["description"].is_string(),
+                "{key}"
+            );
+        }
+    }
+
+    #[test]
+    fn quantities_tell_their_symbols_of_units() {
+        let schema = json_schema();
+        for (quantity, symbols) in [
+            ("Pressure", "; symbols: Pa, bar, psi, atm"),
+            ("Permeability", "; symbols: D, darcy"),
+            ("Angle", "; symbols: rad, deg"),
+        ] {
+            let told = schema["definitions"][quantity]["description"]
+                .as_str()
+                .unwrap();
+            assert!(told.ends_with(symbols), "{told}");
+        }
+        // Only products of symbols make a density.
+        let told = schema["definitions"]["Density"]["description"]
+            .as_str()
+            .unwrap();
+        assert!(!told.contains("symbols"), "{told}");
     }
 
     #[test]

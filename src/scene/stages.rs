@@ -12,7 +12,7 @@ use super::loading::{LoadedScene, load_layers};
 use super::sources::Sources;
 
 /// Name of the table.
-const STAGES: &str = "stages";
+pub(super) const STAGES: &str = "stages";
 /// What a stage begins with before it says otherwise.
 const GOES_ON: &str =
     "[start]\nfrom = \"the stage before\"\nclock = \"keep\"\ndisplacement = \"keep\"\n";

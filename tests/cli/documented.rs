@@ -1,4 +1,5 @@
-//! What is written works: every command of the README and the notes, every bundled case and every variant.
+//! What is written works: every command of the README, the notes and the book, every scene of the book, every
+//! bundled case and every variant.
 //!
 //! Commands are read from the texts, so that they cannot drift apart. What takes long is run smaller or
 //! shorter; the tables here say how, and a line of them that no longer fits anything is a failure.
@@ -15,6 +16,8 @@ const SHORTENED: &[(&str, &[&str])] = &[
     ("run heterogeneous", &["geometry.points=[30, 30]"]),
     ("run terzaghi", &["geometry.spacing=0.25"]),
     ("run natural-fractures/wide", FIRST_OF_WIDE),
+    ("run inclined-crack.toml", &["time.end=0.1"]),
+    ("run injection.toml", &["time.end=0.02"]),
     ("study", &["--quick", "--budget", "3s"]),
     ("plan terzaghi --for-error", &["geometry.spacing=0.5"]),
 ];
@@ -22,16 +25,20 @@ const SHORTENED: &[(&str, &[&str])] = &[
 /// Commands that are not run here: they are continuous integration itself, for users of the library, or
 /// tested elsewhere (examples).
 const ELSEWHERE: &[&str] = &[
+    "apt-get",
     "cargo add",
     "cargo build",
     "cargo check",
     "cargo clippy",
     "cargo doc",
     "cargo fmt",
+    "cargo install",
     "cargo package",
     "cargo run --release --example",
     "cargo run --release -p",
     "cargo test",
+    "docs/book/build",
+    "pip install",
 ];
 
 /// What stands for a name of the user's choice.
@@ -130,6 +137,19 @@ fn texts() -> Vec<PathBuf> {
         }
     }
     found
+}
+
+/// Copies the scenes of the book, with their data, to where its commands are run; their names.
+fn scenes_of_the_book(place: &Place) -> Vec<String> {
+    let mut names = Vec::new();
+    for file in fs::read_dir(root().join("docs/book/scenes")).unwrap() {
+        let path = file.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        place.write(&name, fs::read(&path).unwrap());
+        names.push(name);
+    }
+    names.retain(|name| name.ends_with(".toml"));
+    names
 }
 
 /// Commands in the shell blocks of a text, and those in its lines that are whole.
@@ -243,6 +263,7 @@ fn fault(place: &Place, command: &str, used: &mut Vec<&'static str>) -> Option<S
 #[test]
 fn every_documented_command_works() {
     let place = Place::new();
+    scenes_of_the_book(&place);
     place.succeed(&["run", "two-layer", "--out", "earlier"]);
     let (mut used, mut faults, mut done) = (Vec::new(), Vec::new(), Vec::new());
     for path in texts() {
@@ -257,6 +278,30 @@ fn every_documented_command_works() {
     assert!(done.len() > 35, "{done:?}");
     let unused = SHORTENED.iter().filter(|(start, _)| !used.contains(start));
     assert_eq!(unused.count(), 0, "all of the table is used: {used:?}");
+}
+
+/// A block of the book is a whole scene, if only by its `base`, or includes one that is a file.
+#[test]
+fn every_scene_of_the_book_is_sound() {
+    let place = Place::new();
+    let names = scenes_of_the_book(&place);
+    for name in &names {
+        place.succeed(&["check", name]);
+    }
+    let mut blocks = 0;
+    let book = root().join("docs/book");
+    for path in texts().iter().filter(|path| path.starts_with(&book)) {
+        let text = fs::read_to_string(path).unwrap();
+        let blocks_of = text.split("```").skip(1).step_by(2);
+        for block in blocks_of.filter_map(|block| block.strip_prefix("toml\n")) {
+            if !block.starts_with("--8<--") {
+                place.write("block.toml", block);
+                place.succeed(&["check", "block.toml"]);
+                blocks += 1;
+            }
+        }
+    }
+    assert!(names.len() >= 6 && blocks >= 6, "{names:?} {blocks}");
 }
 
 /// Every case and variant by its name.

@@ -49,7 +49,7 @@ pub struct Material {
 pub enum PermeabilityField {
     /// The same everywhere, m².
     Value(Permeability),
-    /// One value for each point.
+    /// From a file: one value for each point, or for each cell of an array laid over the domain.
     File(PermeabilityFile),
     /// A random field.
     Distribution(PermeabilityDistribution),

@@ -8,7 +8,7 @@ mod tests;
 use std::fmt;
 
 pub use parse::{UnitError, parse};
-pub use table::known_symbols;
+pub use table::{known_symbols, symbols_of};
 
 /// Exponents of the SI base units a quantity is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]

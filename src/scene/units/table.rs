@@ -139,6 +139,14 @@ pub(super) fn lookup(symbol: &str) -> Option<Unit> {
     })
 }
 
+/// Symbols, without prefixes, of units that have one of these dimensions.
+pub fn symbols_of(dimensions: &[Exponents]) -> Vec<&'static str> {
+    let all = PREFIXABLE.iter().chain(PLAIN);
+    all.filter(|(_, unit)| dimensions.contains(&unit.exponents))
+        .map(|(name, _)| *name)
+        .collect()
+}
+
 /// Every unit symbol that `parse` accepts, with and without prefix.
 pub fn known_symbols() -> Vec<String> {
     let whole = PLAIN
