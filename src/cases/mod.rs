@@ -152,6 +152,16 @@ pub const CASES: &[Case] = &[
         "turned"
     ),
     case!(
+        "two-cracks",
+        "cracks side by side that fluid drives away from each other, against LEFM",
+        "smoke"
+    ),
+    case!(
+        "wing-cracks",
+        "a closed crack under compression whose tips turn, against LEFM",
+        "smoke"
+    ),
+    case!(
         "staged-injection",
         "in-situ stress, drainage, injection and shut-in, one after the other"
     ),

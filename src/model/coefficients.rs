@@ -92,6 +92,26 @@ impl<const D: usize> Model<D> {
         }
     }
 
+    /// This model with the cracks of another run: their fluid, and what their pores hold, in rock as this model has
+    /// it. As it is where cracks hold no fluid of their own.
+    #[must_use]
+    pub fn with_cracks(&self, coefficients: &Coefficients) -> Self {
+        let mut model = self.clone();
+        if let Model {
+            fracture_flow: Some(fracture),
+            flow: Some(flow),
+            permeability,
+            ..
+        } = &mut model
+            && let Some(cracks) = &mut fracture.cracks
+            && coefficients.donor.len() == cracks.donor.len()
+        {
+            cracks.take_over(coefficients, &mut flow.capacity);
+            fracture.conduct(flow, permeability);
+        }
+        model
+    }
+
     /// This model with other coefficients.
     #[must_use]
     pub fn with(&self, coefficients: &Coefficients) -> Self {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::coefficients::Coefficients;
 use super::diffusion::CrackBonds;
 use crate::effects::{Opening, openings};
 use crate::geometry::Vector;
@@ -134,6 +135,15 @@ impl<const D: usize> CrackFlow<D> {
             self.pores[i] += (1.0 - KEPT) * capacity[i] * pressure[i];
             capacity[i] *= KEPT;
         }
+    }
+
+    /// Takes over the fluid of another run: where it is, what it opens, and what closed pores hold.
+    pub(super) fn take_over(&mut self, then: &Coefficients, capacity: &mut [f64]) {
+        self.donor.clone_from(&then.donor);
+        self.opening.clone_from(&then.opening);
+        self.pores.clone_from(&then.pores);
+        let wet = (0..capacity.len()).filter(|i| self.is_wet(*i));
+        wet.for_each(|i| capacity[i] *= KEPT);
     }
 
     /// Permeability of the band of a crack, (w³ + w_r³)/12W, m², unless one is `given`.

@@ -93,6 +93,12 @@ impl<const D: usize> Model<D> {
             .map_or_else(Vec::new, |cracks| cracks.donor.clone())
     }
 
+    /// Whether there is fluid in any crack.
+    pub fn has_fluid_in_cracks(&self) -> bool {
+        let wet = |cracks: &CrackFlow<D>| cracks.donor.iter().any(|donor| *donor != DRY);
+        self.cracks().is_some_and(wet)
+    }
+
     /// Adds to a storage per point (m^D/Pa) what open cracks yield to their fluid at a fixed displacement.
     pub fn add_crack_storage(&self, response: &Response<D>, storage: &mut [f64]) {
         let (Some(cracks), Some(coupling)) = (self.cracks(), &self.coupling) else {

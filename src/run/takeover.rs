@@ -176,9 +176,9 @@ impl<const D: usize> Taken<'_, D> {
                 false => then.datum.clone(),
             },
             displacement,
-            coefficients: match (&then.coefficients, initial.coefficients) {
-                (Some(then), Some(_)) => Some(then.clone()),
-                (_, own) => own,
+            coefficients: match &then.coefficients {
+                Some(then) => self.model.with_cracks(then).coefficients(),
+                None => initial.coefficients,
             },
             memory: initial.memory,
         })

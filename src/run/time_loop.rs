@@ -207,6 +207,8 @@ impl<const D: usize> Run<'_, D> {
     /// Brings the initial state to what the scene asks for, and finds what steps are measured by.
     fn begin(&mut self, scheme: &mut dyn Scheme<D>) -> Result<March, RunError> {
         let timers = self.timers.clone();
+        // Cracks that are taken over are full of their fluid.
+        self.follow_state();
         let started = timers.time("start", || scheme.start(&self.model, &mut self.state));
         started.map_err(|error| self.failed(error))?;
         self.follow_state();

@@ -97,6 +97,8 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("breakdown", &["geometry.spacing=6.25 cm"]),
     ("inclined-injection", INCLINED),
     ("inclined-injection/turned", INCLINED),
+    ("two-cracks", KGD),
+    ("wing-cracks", &["geometry.spacing=8 cm", "time.end=0.3"]),
 ];
 const KGD: &[&str] = &["geometry.spacing=12.5 cm", "time.end=0.3"];
 const INCLINED: &[&str] = &["geometry.spacing=8 cm", "time.end=0.3"];

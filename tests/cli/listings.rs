@@ -32,6 +32,8 @@ const CASES: [&str; 30] = [
     "kgd-leak-off",
     "breakdown",
     "inclined-injection",
+    "two-cracks",
+    "wing-cracks",
     "staged-injection",
     "penny-3d",
     "manufactured",

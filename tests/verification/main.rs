@@ -18,6 +18,7 @@ mod gravity;
 mod incompressible;
 mod initial;
 mod laminate;
+mod lefm;
 mod mechanics;
 mod operators;
 mod output;

@@ -241,3 +241,33 @@ fn what_does_not_fit_is_refused_by_name() {
     let message = refused(folder.path(), &[]);
     assert!(message.contains("has no checkpoint"), "{message}");
 }
+
+/// Pumped, then shut in: the crack keeps its fluid, where it is and at its pressure, in rock that lets nothing in.
+#[test]
+fn a_crack_that_is_shut_in_keeps_what_was_pumped_in() {
+    let text = perifrac::cases::find("kgd-toughness").unwrap().scene;
+    let folder = tempfile::tempdir().unwrap();
+    let [pumped, shut] = ["pumped", "shut"].map(|name| folder.path().join(name));
+    let coarse = ["geometry.spacing=12.5 cm", "output.plots=false"];
+    let run = |folder: &Path, overrides: &[String]| {
+        let (_, summary, state) = run_text_in(folder, text, overrides).unwrap();
+        (summary, state)
+    };
+    let held = |summary: &Summary| summary.results.as_ref().unwrap().crack_volume.unwrap();
+    let (before, then) = run(&pumped, &set(&[coarse[0], coarse[1], "time.end=1.5 s"]));
+    // A quarter of 1e-4 m²/s.
+    assert!((held(&before) / (2.5e-5 * 1.5) - 1.0).abs() < 1e-5);
+    let rate = "cracks.main.injection.rate=\"0 m^2/s\"";
+    let keys = start(&pumped, &[coarse[0], coarse[1], rate, "time.end=1 s"]);
+    let (after, now) = run(&shut, &keys);
+    let change = held(&after) / held(&before) - 1.0;
+    assert!(change.abs() < 1e-5, "{change}");
+    // What the last step had not broken yet breaks, and no more.
+    let length = |summary: &Summary| summary.results.as_ref().unwrap().crack_length;
+    assert!(length(&after) - length(&before) < 0.0625);
+    let drop = 1.0 - now.pressure[0] / then.pressure[0];
+    assert!((0.0..0.1).contains(&drop), "{drop}");
+    // At rest a pass leaves nothing to do for the next.
+    assert!(after.rejected <= 10, "{}", after.rejected);
+    assert!(after.counters.coupling_iterations < 600);
+}

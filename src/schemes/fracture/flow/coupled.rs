@@ -16,8 +16,10 @@ use crate::schemes::{State, StepError, StepReport, flow_of};
 
 /// Fluid out of balance, relative to what moves in the step, that counts as none.
 const BALANCED_MASS: f64 = 5e-7;
-/// Fluid that rounding may lose, relative to all that points hold.
-const ROUNDING: f64 = 1e-14;
+/// Fluid that rounding may lose in a step, relative to all that points hold. Where nothing moves passes cannot do
+/// better: in `kgd-toughness` at 12.5 cm, shut in after 1.5 s, steps to 1 s take 297 passes and 4 of 36 are cut, with
+/// 1e-14 11,242 passes and 107 of 207.
+const ROUNDING: f64 = 1e-12;
 /// Share of what a pass with the exact tangent found out of balance that it may leave.
 const LEFT: f64 = 0.9;
 /// Where a pass stands.

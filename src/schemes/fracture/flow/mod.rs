@@ -43,7 +43,7 @@ use crate::schemes::{
 };
 pub use stored::{StepStart, close};
 
-use passes::{FORCING, SHALLOW};
+use passes::{FORCING, RETURNS, SHALLOW};
 
 /// Flow and fracture together.
 pub struct FractureFlowStep<const D: usize> {
@@ -171,18 +171,28 @@ impl<const D: usize> FractureFlowStep<D> {
 }
 
 impl<const D: usize> FractureFlowStep<D> {
-    /// Brings the solid into equilibrium with the pressure of the start, and the coefficients of flow to it.
+    /// Brings the solid into equilibrium with the pressure of the start, and the coefficients of flow to it, until
+    /// fluid acts in cracks where it did when forces balanced.
     fn start_drained(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut now = model.clone();
-        Fracture::new(&self.demand, &now, self.plan)?.equilibrate(&now, state)?;
-        advance(&now, state);
-        let response = now
-            .response(&state.view())
-            .ok_or(StepError::Missing { part: "[damage]" })?;
-        let fields = (&state.displacement[..], &state.walls[..]);
-        let wetting = Wetting::at(&state.pressure);
-        now.follow_fractures(&response, fields, wetting);
+        for _ in 0..=RETURNS {
+            let wet = now.wet_points();
+            Fracture::new(&self.demand, &now, self.plan)?.equilibrate(&now, state)?;
+            advance(&now, state);
+            let response = now
+                .response(&state.view())
+                .ok_or(StepError::Missing { part: "[damage]" })?;
+            let fields = (&state.displacement[..], &state.walls[..]);
+            let wetting = Wetting {
+                before: &state.pressure,
+                spreads: true,
+            };
+            now.follow_fractures(&response, fields, wetting);
+            if now.wet_points() == wet {
+                break;
+            }
+        }
         self.remember(&now, state);
         Ok(())
     }
@@ -238,7 +248,8 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     }
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
-        if !coupling_of(model)?.undrained_start {
+        // At its pressure a crack that is taken over may run for ever; its fluid is what it has.
+        if !coupling_of(model)?.undrained_start && !model.has_fluid_in_cracks() {
             return self.start_drained(model, state);
         }
         let old = state.clone();

@@ -45,8 +45,9 @@ const STUCK: usize = 8;
 const GIVEN_UP: usize = 100;
 /// Damage, summed over points, that counts as progress of a crack that runs.
 const ADVANCE: f64 = 0.5;
-/// Times that passes of a step end with points wet that are not broken there.
-const RETURNS: usize = 4;
+/// Times that passes of a step end with points wet that are not broken there, and that a start is brought to where
+/// fluid is.
+pub(super) const RETURNS: usize = 4;
 /// Shortest share of a pass.
 const SHORTEST: f64 = 0.125;
 
