@@ -48,6 +48,17 @@ pub fn examine<const D: usize>(plan: &Plan, processes: usize) -> Result<Examined
     Ok(Examined { explanation, built })
 }
 
+/// As [`examine`], for a plan of any dimension.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_plan(plan: &Plan, processes: usize) -> Result<Examined, RunError> {
+    match plan.dimension {
+        2 => examine::<2>(plan, processes),
+        _ => examine::<3>(plan, processes),
+    }
+}
+
 fn model_bytes(memory: &Memory) -> u64 {
     memory.bonds + memory.gradients + memory.matrices
 }
