@@ -32,7 +32,6 @@ const ELSEWHERE: &[&str] = &[
     "cargo run --release --example",
     "cargo run --release -p",
     "cargo test",
-    "pip install",
 ];
 
 /// What stands for a name of the user's choice.
