@@ -69,3 +69,6 @@ pub mod scene;
 pub mod schemes;
 #[cfg(feature = "study")]
 mod study;
+
+#[cfg(feature = "study")]
+pub use study::{StudyError, report_run};

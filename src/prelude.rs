@@ -37,8 +37,8 @@ pub use crate::reference::{ErrorNorms, ExactDisplacement, ExactPressure};
 pub use crate::report::{Balance, Timers};
 #[doc(inline)]
 pub use crate::run::{
-    Checkpoint, CheckpointRule, FieldError, Interrupt, Job, Observer, Progress, RunError, Settings,
-    Summary, Writer, run, run_job,
+    Checkpoint, CheckpointRule, Examined, FieldError, FieldValues, Interrupt, Job, Observer,
+    Progress, RunError, Settings, Summary, View, Writer, examine, locate, run, run_job,
 };
 #[doc(inline)]
 pub use crate::scene::{Diagnostic, LoadedScene, SceneErrors, load_file, load_str};

@@ -4,14 +4,12 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::cases;
-use crate::effects::EffectError;
 use crate::explain::{Explanation, explain};
-use crate::geometry::GeometryError;
 use crate::model::ModelError;
 use crate::output::CheckpointError;
-use crate::plan::{FileError, Plan, resolve_for};
-use crate::run::{Examined, RunError, examine};
-use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
+use crate::plan::{Plan, resolve_for};
+use crate::run::{Examined, RunError, examine, locate};
+use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors};
 use crate::schemes;
 
 use super::exit::Failure;
@@ -265,109 +263,6 @@ impl Planned {
 
     /// An error of the model, underlined in the scene where it has a place there.
     pub(super) fn locate(&self, error: &ModelError) -> Failure {
-        let diagnostic = Diagnostic::new(error.to_string());
-        let diagnostic = match self.place(error) {
-            Some(place) => diagnostic.at(place),
-            None => diagnostic,
-        };
-        let diagnostic = match self.remedy(error) {
-            Some(help) => diagnostic.help(help),
-            None => diagnostic,
-        };
-        self.loaded.errors(vec![diagnostic]).into()
-    }
-
-    fn place(&self, error: &ModelError) -> Option<Span> {
-        let scene = &self.loaded.scene;
-        let material = |name: &String| scene.materials.get(name);
-        let well = |name: &String| scene.wells.get(name).map(|well| well.at.span);
-        let horizon = match scene.horizon.span() {
-            span if span.is_somewhere() => span,
-            _ => scene.geometry.span,
-        };
-        match error {
-            ModelError::Geometry(GeometryError::TooLarge { .. })
-            | ModelError::Generate(_)
-            | ModelError::Unresolved { .. } => Some(scene.geometry.span),
-            ModelError::Geometry(_) => Some(horizon),
-            ModelError::CrackThroughPoint { name, .. }
-            | ModelError::CrackAtBoundary { name, .. } => {
-                scene.cracks.get(name).map(scene::Crack::span)
-            }
-            ModelError::EmptyRegion { material: name }
-            | ModelError::CoveredRegion { material: name }
-            | ModelError::UnusedRegion { material: name } => {
-                material(name)?.region.as_ref().map(|region| region.span)
-            }
-            ModelError::EmptyBand { name } => scene.cracks.get(name).map(scene::Crack::span),
-            ModelError::ProbeOffPoints { what, name, .. } => match *what {
-                "output.probes" => Some(scene.output.probes.get(name)?.at.span),
-                _ => Some(scene.output.profiles.get(name)?.from.span),
-            },
-            ModelError::EmptyPressureRegion { number }
-            | ModelError::CoveredPressureRegion { number } => scene
-                .flow
-                .as_ref()?
-                .regions
-                .get(number - 1)
-                .map(|region| region.region.span),
-            ModelError::Table(FileError::Length { path, .. }) => {
-                scene
-                    .materials
-                    .iter()
-                    .find_map(|entry| match entry.value.permeability.as_deref() {
-                        Some(scene::PermeabilityField::File(file))
-                            if Path::new(&file.file.value) == path =>
-                        {
-                            Some(file.file.span)
-                        }
-                        _ => None,
-                    })
-            }
-            ModelError::Points { .. }
-            | ModelError::UnknownMaterial { .. }
-            | ModelError::UntoldMaterial { .. } => match &scene.geometry.value {
-                scene::Geometry::File(file) => Some(file.path.span),
-                _ => Some(scene.geometry.span),
-            },
-            ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
-            ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
-            ModelError::Effect(EffectError::EmptyInjection { name, .. }) => {
-                Some(scene.cracks.get(name)?.injection.as_ref()?.at.span)
-            }
-            ModelError::Effect(EffectError::OverlappingWells { second, .. }) => well(second),
-            ModelError::Effect(EffectError::EmptyLoad { name, .. }) => {
-                let mut loads = scene.mechanics.as_ref()?.loads.iter();
-                loads.find(|entry| entry.name == *name).map(|e| e.span)
-            }
-            ModelError::MissingProperty { material: name, .. } => {
-                let mut materials = scene.materials.iter();
-                materials.find(|entry| entry.name == *name).map(|e| e.span)
-            }
-            ModelError::Consistency(_) => match (&scene.flow, &scene.mechanics) {
-                (Some(flow), _) => Some(flow.gradient.span),
-                (None, mechanics) => Some(mechanics.as_ref()?.gradient.span),
-            },
-            _ => None,
-        }
-    }
-
-    /// What to do where the error itself cannot know the keys of a scene.
-    fn remedy(&self, error: &ModelError) -> Option<&'static str> {
-        match error {
-            ModelError::Geometry(GeometryError::TooFewPoints { .. }) => Some(
-                "add points, or set horizon.neighbours to fewer, or horizon.radius to a length",
-            ),
-            ModelError::Effect(EffectError::EmptyWell { .. }) => {
-                Some("enlarge its radius, leave the radius out, or refine the cloud there")
-            }
-            ModelError::MissingProperty { .. } => {
-                Some("add it to the material, or take out the section that asks for it")
-            }
-            ModelError::Consistency(_) if self.loaded.scene.flow.is_none() => {
-                Some("here it is mechanics.gradient that asks for it; \"plain\" does without")
-            }
-            _ => None,
-        }
+        locate(&self.loaded, error).into()
     }
 }

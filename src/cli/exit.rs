@@ -3,15 +3,12 @@
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use perifrac_solvers::SolveError;
-
 use super::interrupt;
 use super::stages::way_on;
 use crate::model::ModelError;
 use crate::output::{CheckpointError, OutputError, checkpoint};
 use crate::run::RunError;
 use crate::scene::SceneErrors;
-use crate::schemes::StepError;
 #[cfg(feature = "study")]
 use crate::study::StudyError;
 
@@ -101,29 +98,8 @@ impl Failure {
 
 fn run_code(error: &RunError) -> u8 {
     match error {
-        RunError::Model(_) => 3,
-        RunError::Step { source, .. } => match source {
-            // A library that is not there is no fault of the scene, and no failure to converge.
-            StepError::Solve(SolveError::Unavailable { .. }) => 2,
-            StepError::Spec(_)
-            | StepError::Pattern(_)
-            | StepError::NoSteadyState { .. }
-            | StepError::Missing { .. }
-            | StepError::Refused(_)
-            | StepError::LoosePlate => 3,
-            _ => 4,
-        },
         RunError::Interrupted { .. } => interrupt::code(),
-        RunError::Checkpoint(error) | RunError::Start(error) => checkpoint_code(error),
-        _ => 1,
-    }
-}
-
-/// A checkpoint that is not there is a slip of the pen; one that does not fit is no basis for a run.
-fn checkpoint_code(error: &CheckpointError) -> u8 {
-    match error {
-        CheckpointError::Absent { .. } => 2,
-        _ => 1,
+        error => error.exit_code(),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{OwnEffect, Plan, PointTable, resolve::resolve_given};
-use crate::scene::{LoadedScene, SceneErrors, load_file, load_str};
+use crate::scene::{LoadedScene, SceneErrors, load_file, load_layers, load_str};
 
 /// What becomes a [`Plan`]: a scene, changes to it, and what no scene can hold, points and effects of the
 /// program itself.
@@ -40,6 +40,16 @@ const POINTS: &str = "points-of-the-program.csv";
 enum Source {
     Text(String),
     File(PathBuf),
+    Layers(Layers),
+}
+
+/// Texts of which each changes those before it.
+#[derive(Debug, Clone)]
+struct Layers {
+    case: String,
+    /// The texts, each after its name for messages.
+    texts: Vec<(String, String)>,
+    base: PathBuf,
 }
 
 impl Setup {
@@ -51,6 +61,21 @@ impl Setup {
     /// A scene file; paths in it are relative to its folder.
     pub fn file(path: impl Into<PathBuf>) -> Self {
         Self::new(Source::File(path.into()))
+    }
+
+    /// Texts in TOML of which each changes those before it, each after its name for messages: a bundled case with a
+    /// variant, or the scene that a checkpoint holds. `case` is the name in reports, and paths are relative
+    /// to `base`.
+    pub fn layers(
+        case: impl Into<String>,
+        texts: Vec<(String, String)>,
+        base: impl Into<PathBuf>,
+    ) -> Self {
+        Self::new(Source::Layers(Layers {
+            case: case.into(),
+            texts,
+            base: base.into(),
+        }))
     }
 
     fn new(scene: Source) -> Self {
@@ -90,15 +115,32 @@ impl Setup {
     /// # Errors
     /// [`SceneErrors`] with every fault of the scene and its place.
     pub fn plan(&self) -> Result<Plan, SceneErrors> {
-        let mut plan = resolve_given(&self.load()?, &self.name(), self.points.as_ref())?;
+        self.plan_of(&self.load()?)
+    }
+
+    /// The plan of the scene that [`Setup::load`] gave, for who needs both.
+    ///
+    /// # Errors
+    /// As [`Setup::plan`].
+    pub fn plan_of(&self, loaded: &LoadedScene) -> Result<Plan, SceneErrors> {
+        let mut plan = resolve_given(loaded, &self.name(), self.points.as_ref())?;
         plan.own_effects.clone_from(&self.effects);
         Ok(plan)
     }
 
-    fn load(&self) -> Result<LoadedScene, SceneErrors> {
+    /// The scene with its changes: its text, and the places of faults that are found later.
+    ///
+    /// # Errors
+    /// [`SceneErrors`] of what is wrong with the text.
+    pub fn load(&self) -> Result<LoadedScene, SceneErrors> {
         match &self.scene {
             Source::Text(text) => load_str("scene", text, Path::new(""), &self.changes),
             Source::File(path) => load_file(path, &self.changes),
+            Source::Layers(layers) => {
+                let texts = layers.texts.iter();
+                let texts: Vec<_> = texts.map(|(name, text)| (&**name, &**text)).collect();
+                load_layers(&texts, &layers.base, &self.changes)
+            }
         }
     }
 
@@ -107,6 +149,7 @@ impl Setup {
         let stem = match &self.scene {
             Source::Text(_) => None,
             Source::File(path) => path.file_stem(),
+            Source::Layers(layers) => return layers.case.clone(),
         };
         stem.map_or_else(
             || "scene".into(),

@@ -1,5 +1,7 @@
 //! How a run can fail.
 
+use perifrac_solvers::SolveError;
+
 use crate::model::ModelError;
 use crate::output::{CheckpointError, OutputError};
 use crate::plan::Plan;
@@ -63,6 +65,33 @@ impl RunError {
             scheme: plan.scheme.name().to_owned(),
             source,
             last_output: None,
+        }
+    }
+
+    /// Exit code of a program that ends with it: 1 for files, 2 for what is not there, 3 for a scene that cannot be
+    /// run, 4 for what does not converge, 130 for an interruption.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            RunError::Model(_) => 3,
+            RunError::Step { source, .. } => match source {
+                // A library that is not there is no fault of the scene, and no failure to converge.
+                StepError::Solve(SolveError::Unavailable { .. }) => 2,
+                StepError::Solve(SolveError::Refused { .. })
+                | StepError::Spec(_)
+                | StepError::Pattern(_)
+                | StepError::NoSteadyState { .. }
+                | StepError::Missing { .. }
+                | StepError::Refused(_)
+                | StepError::LoosePlate => 3,
+                _ => 4,
+            },
+            RunError::Interrupted { .. } => 130,
+            RunError::Checkpoint(error) | RunError::Start(error) => match error {
+                // One that is not there is a slip of the pen; one that does not fit is no basis for a run.
+                CheckpointError::Absent { .. } => 2,
+                _ => 1,
+            },
+            _ => 1,
         }
     }
 }

@@ -39,6 +39,7 @@ impl<const D: usize> Run<'_, D> {
         self.warn_of_failed_solves();
         self.warn_of_overlap();
         self.tell_of_thinning();
+        self.show_end();
         let model = &self.model;
         let flow = model.flow.as_ref();
         let solid = model.solid.as_ref();

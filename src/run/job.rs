@@ -8,6 +8,7 @@ use perifrac_solvers::{Communicator, Interrupt};
 use super::Writer;
 use super::checkpoint::{Checkpoint, Snapshot};
 use super::settings::Settings;
+use super::view::View;
 use crate::schemes::State;
 
 /// Where a run stands.
@@ -36,7 +37,7 @@ pub struct Progress {
 
 /// Is told how a run goes on; `()` does not listen.
 ///
-/// To stop a run from here, raise its [`Interrupt`].
+/// To end a run from here, say that it [is enough](Observer::is_enough), or raise its [`Interrupt`].
 ///
 /// ```
 /// use perifrac::prelude::*;
@@ -72,6 +73,15 @@ pub trait Observer {
     fn step(&mut self, _progress: &Progress) {}
     /// The fields after that step.
     fn state(&mut self, _state: &State) {}
+    /// What can be asked of the state after the start and after every step; comes last of the three.
+    fn look(&mut self, _view: &dyn View) {}
+    /// Whether the run has come far enough: it then ends after this step as it would at its end, with all its
+    /// files, and can go on from there. An [`Interrupt`] leaves without a summary.
+    fn is_enough(&mut self) -> bool {
+        false
+    }
+    /// What can be asked of the state with which the run ends, at its end or before.
+    fn end(&mut self, _view: &dyn View) {}
 }
 
 impl Observer for () {}

@@ -9,6 +9,7 @@ mod examine;
 mod finish;
 mod fracture;
 mod job;
+mod place;
 mod range;
 mod rejections;
 mod restart;
@@ -20,6 +21,7 @@ mod suction;
 mod summary;
 mod takeover;
 mod time_loop;
+mod view;
 mod writer;
 
 pub use checkpoint::{Checkpoint, Record, Snapshot};
@@ -28,9 +30,11 @@ pub use error::RunError;
 pub use examine::{Examined, begin, examine};
 pub use fracture::Results;
 pub use job::{Job, Observer, Progress};
+pub use place::locate;
 pub use settings::{CheckpointRule, Settings};
 pub use summary::{CouplingReport, FieldError, Name, Summary, TimedErrors};
 pub use time_loop::{run, run_job};
+pub use view::{FieldValues, View};
 pub use writer::{StagedFolder, Writer};
 
 pub use perifrac_solvers::Interrupt;

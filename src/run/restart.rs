@@ -204,6 +204,14 @@ impl<const D: usize> Run<'_, D> {
         self.save(scheme, march);
     }
 
+    /// Writes the fields of a run that ends between two outputs; what goes on from its checkpoint drops them again.
+    pub(super) fn last_fields(&mut self) -> Result<(), RunError> {
+        match self.last_output == Some(self.state.time) {
+            true => Ok(()),
+            false => self.write_fields(),
+        }
+    }
+
     /// Keeps the state of a run that ends before its time, first of all in a checkpoint.
     pub(super) fn end_early(
         &mut self,
@@ -216,12 +224,12 @@ impl<const D: usize> Run<'_, D> {
             RunError::Output(_) => drop(self.try_save(scheme, march)),
             _ => self.save(scheme, march),
         }
+        self.show_end();
         let stopped = matches!(error, RunError::Interrupted { .. });
-        // What goes on from here drops this output again.
-        if stopped && self.last_output != Some(self.state.time) {
-            return self.write_fields().err().unwrap_or(error);
+        match stopped {
+            true => self.last_fields().err().unwrap_or(error),
+            false => error,
         }
-        error
     }
 }
 

@@ -104,6 +104,7 @@ fn run_in<const D: usize>(plan: &Plan, job: Job<'_>) -> Result<(Summary, State),
         saver: None,
         before: Before::default(),
         started,
+        last_step: (0.0, StepReport::default()),
     };
     run.saver = run.new_saver(&snapshot);
     run.start_volume = Stored::of(&run.model, &run.state).parts;
@@ -153,6 +154,8 @@ pub(super) struct Run<'a, const D: usize> {
     pub(super) saver: Option<Saver>,
     pub(super) before: Before,
     pub(super) started: Instant,
+    /// Length of the last step, s, and what it did.
+    pub(super) last_step: (f64, StepReport),
 }
 
 /// What the time loop goes by.
@@ -179,7 +182,9 @@ impl<const D: usize> Run<'_, D> {
         self.start_history()?;
         self.write_history(0.0, report)?;
         self.drawn = self.tracker.results.crack_length;
-        self.write_fields()
+        self.write_fields()?;
+        self.show();
+        Ok(())
     }
 
     fn transient(&mut self) -> Result<Effort, RunError> {
@@ -197,6 +202,7 @@ impl<const D: usize> Run<'_, D> {
             return Err(self.end_early(&*scheme, &march, error));
         }
         self.save_end(&*scheme, &march);
+        self.last_fields()?;
         Ok((
             self.effort(&*scheme),
             scheme.solver(),
@@ -286,6 +292,9 @@ impl<const D: usize> Run<'_, D> {
             march.scale.cover(&self.model, &self.state.pressure);
             let output = self.accepted(dt, &report, stop.output && reached)?;
             self.keep(scheme, march, output);
+            if self.is_enough() {
+                break;
+            }
         }
         Ok(())
     }
@@ -338,6 +347,7 @@ impl<const D: usize> Run<'_, D> {
             crack_length: self.tracker.last.as_ref().map(|last| last.crack_length),
         });
         self.observer.state(&self.state);
+        self.show();
         Ok(written)
     }
 
@@ -346,6 +356,13 @@ impl<const D: usize> Run<'_, D> {
         let mut stopped = [f64::from(u8::from(self.interrupt.is_raised()))];
         self.model.subdomain().sum(&mut stopped);
         stopped[0] > 0.5
+    }
+
+    /// Whether an observer of any of the processes has seen enough.
+    fn is_enough(&mut self) -> bool {
+        let mut enough = [f64::from(u8::from(self.observer.is_enough()))];
+        self.model.subdomain().sum(&mut enough);
+        enough[0] > 0.5
     }
 
     /// A failure of one process is a failure of all, so that none waits for another.
@@ -413,6 +430,7 @@ impl<const D: usize> Run<'_, D> {
 
     fn write_history(&mut self, dt: f64, report: &StepReport) -> Result<(), RunError> {
         self.watch_suction();
+        self.last_step = (dt, report.clone());
         if self.plan.damage.is_some() {
             let now = Fractures::of(self.plan, &self.model, &self.state);
             let time = self.state.time;

@@ -7,7 +7,8 @@ use crate::output::OutputError;
 
 /// A study that could not be done.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum StudyError {
+#[non_exhaustive]
+pub enum StudyError {
     /// The program could not be started for a run.
     #[error("cannot start a run of this program: {0}")]
     Program(#[source] io::Error),

@@ -30,7 +30,7 @@ use std::path::Path;
 
 pub(crate) use analysis::{Basis, CostToAccuracy, Fit, median, pareto, reach};
 pub(crate) use campaign::{Campaign, Watcher};
-pub(crate) use error::StudyError;
+pub use error::StudyError;
 pub(crate) use findings::{ReportContent, Section, Table};
 pub(crate) use forecast::{calibration, compare_costs, forecast};
 pub(crate) use log::{Log, Row, Status};
@@ -38,7 +38,7 @@ pub(crate) use machine::Machine;
 pub(crate) use measured::{Compared, Measured};
 pub(crate) use profile::RecordedOutput;
 pub(crate) use runner::Runner;
-pub(crate) use single::report_run;
+pub use single::report_run;
 pub(crate) use subject::{Grid, StudyCase};
 pub(crate) use variant::{Method, Variant};
 

@@ -18,7 +18,7 @@ use crate::run::{Name, Summary};
 /// # Errors
 /// [`StudyError::NoRun`] if the folder has no readable summary.json, [`StudyError::Output`] if the
 /// page cannot be written.
-pub(crate) fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
+pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
     let no_run = |reason: String| StudyError::NoRun {
         folder: folder.to_owned(),
         reason,

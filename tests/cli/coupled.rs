@@ -92,7 +92,7 @@ fn schemes_refuse_what_they_cannot_run_with_a_reason() {
         &[&COARSE[..], &["--solver", "faer-llt"]].concat(),
     );
     let outcome = place.run(&wrong);
-    assert_eq!(outcome.code, Some(4), "{outcome:?}");
+    assert_eq!(outcome.code, Some(3), "{outcome:?}");
     assert!(outcome.stderr.contains("faer-llt"), "{}", outcome.stderr);
     assert!(
         outcome.stderr.contains("quasi-definite"),

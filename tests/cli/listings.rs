@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 30] = [
+const CASES: [&str; 32] = [
     "five-spot",
     "two-layer",
     "channel",

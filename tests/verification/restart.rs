@@ -279,6 +279,49 @@ fn a_run_that_was_stopped_goes_on_to_the_same_bits() {
     });
 }
 
+/// Has seen enough after so many steps.
+struct Enough(u64, bool);
+
+impl Observer for Enough {
+    fn step(&mut self, progress: &Progress) {
+        self.1 = progress.steps == self.0;
+    }
+
+    fn is_enough(&mut self) -> bool {
+        self.1
+    }
+}
+
+/// It ends like any other run, with a summary of that state and its fields, which what goes on drops again.
+#[test]
+fn a_run_that_has_come_far_enough_ends_well_and_goes_on_to_the_same_bits() {
+    for case in [CASES[0], CASES[20]] {
+        let loaded = loaded(case);
+        let plan = resolve(&loaded, "case").unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+        let straight = run_into(&loaded, &plan, &whole, None, (u64::MAX, keeping())).unwrap();
+        let stop = straight.steps / 2;
+        let mut writer = Writer::create(&parts, &loaded.resolved_toml()).unwrap();
+        let (mut observer, interrupt) = (Enough(stop, false), Interrupt::default());
+        let job = Job {
+            writer: Some(&mut writer),
+            settings: keeping(),
+            ..Job::new(&mut observer, &interrupt)
+        };
+        let (summary, state) = run_job(&plan, job).unwrap();
+        drop(writer);
+        assert_eq!(summary.steps, stop);
+        assert!(summary.t_end < plan.time.end && summary.t_end.total_cmp(&state.time).is_eq());
+        assert!(parts.join("summary.json").is_file());
+        let from = Checkpoint::newest(&parts).unwrap();
+        assert!(!from.header.finished && from.header.steps == stop);
+        let ended = run_into(&loaded, &plan, &parts, Some(from), (u64::MAX, keeping()));
+        assert_eq!(ended.unwrap().steps, straight.steps);
+        same_files(&whole, &parts).unwrap();
+    }
+}
+
 /// Cases whose schemes and effects others have as well, and smaller.
 const ALIKE: &[&str] = &["reservoir-3d", "terzaghi-graded", "column-3d"];
 

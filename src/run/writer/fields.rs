@@ -8,6 +8,7 @@ use crate::material::DamageModel;
 use crate::model::{FlowModel, Model, SolidModel};
 use crate::operators::{Damage, Lame};
 use crate::output::{Field, OutputError, VtuData, write_pvtu, write_vtu};
+use crate::run::FieldValues;
 use crate::schemes::State;
 
 /// Rows and columns of the components of a stress: xx, yy, zz, xy, yz, xz.
@@ -72,6 +73,17 @@ pub(super) fn write_index<const D: usize>(
     let arrays = arrays(model, state);
     let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
     write_pvtu(path, &fields, pieces)
+}
+
+/// All fields of a state, for a program.
+pub(in crate::run) fn values<const D: usize>(model: &Model<D>, state: &State) -> Vec<FieldValues> {
+    let owned = |array: Array<'_>| FieldValues {
+        name: array.name,
+        unit: array.unit,
+        components: array.components,
+        values: array.values.into_owned(),
+    };
+    arrays(model, state).into_iter().map(owned).collect()
 }
 
 /// Values of some points, `per_point` each.

@@ -21,6 +21,7 @@ use crate::plan::{Plan, TimeMode};
 use crate::report::Balance;
 use crate::schemes::{State, StepReport};
 use cracks::Cracks;
+pub(super) use fields::values as field_values;
 use folder::Hold;
 use fracture::Animation;
 use profiles::Profiles;
