@@ -200,7 +200,11 @@ impl<const D: usize> Staggered<D> {
             .iter_mut()
             .zip(base.iter().zip(change))
             .for_each(|(p, (b, c))| *p = b + c);
-        report.iterations += self.solid.equilibrate(model, state)?;
+        // Steps that pass once pass on to the next what the solid has not followed yet.
+        report.iterations += match self.passes_once(target.slot) {
+            true => self.solid.follow(model, state, target.dt)?,
+            false => self.solid.equilibrate(model, state)?,
+        };
         let step = state.since(target.base);
         Ok(model.content(&step.displacement, &step.walls))
     }

@@ -60,6 +60,26 @@ const CASES: &[(&str, &[&str])] = &[
     (
         "terzaghi",
         &[
+            "geometry.spacing=0.5",
+            "scheme.name=explicit",
+            "scheme.solid=verlet",
+            "time.end=2 s",
+            "output.times=[1]",
+        ],
+    ),
+    (
+        "terzaghi",
+        &[
+            "geometry.spacing=0.5",
+            "scheme.name=explicit",
+            "scheme.adr_damping=local",
+            "time.end=2 s",
+            "output.times=[1]",
+        ],
+    ),
+    (
+        "terzaghi",
+        &[
             "geometry.spacing=0.25",
             "solver.name=fgmres:preconditioner=schur",
         ],

@@ -189,6 +189,8 @@ const CHOICES: [(&str, &str, &[&str]); 21] = [
         ],
     ),
     ("scheme", "solid", &["switched", "adr", "verlet"]),
+    ("scheme", "start", &["assembled", "relaxed"]),
+    ("scheme", "adr_damping", &["global", "local"]),
     ("scheme", "acceleration", &["anderson", "aitken", "none"]),
     ("mechanics", "mode", &["dynamic", "quasi-static"]),
     (
