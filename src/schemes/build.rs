@@ -1,5 +1,6 @@
 //! The scheme of a plan, put together from its parts.
 
+use super::start::ExplicitStart;
 use super::{
     Assembled, FlowStage, ForwardEuler, Fracture, FractureFlowStep, Implicit, ImplicitSystem,
     LaggedFracture, Monolithic, QuasiStatic, Relaxation, Scheme, SolidSolver, Stage, Staggered,
@@ -75,12 +76,8 @@ fn stage<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Stage<
         Method::RelaxedImplicit => {
             let solid = Box::new(Relaxation::new(options));
             let parts = (flow_of(model)?, coupling_of(model)?);
-            Box::new(Staggered::lagged(
-                system(plan, model)?,
-                solid,
-                parts,
-                options,
-            ))
+            let passes = Staggered::lagged(system(plan, model)?, solid, parts, options);
+            Box::new(passes.from_start(ExplicitStart::new(plan, model)))
         }
         Method::Staggered => {
             let solid = assembled(plan, model)?;

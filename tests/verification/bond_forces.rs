@@ -85,8 +85,8 @@ fn forces_on_lattices_come_from_one_stencil_whatever_the_sides() {
             "mechanics.boundary.top={clamped=true}",
         ],
         &[
-            "mechanics.boundary.bottom={}",
-            "mechanics.boundary.left={}",
+            "mechanics.boundary.bottom={free=true}",
+            "mechanics.boundary.left={free=true}",
             "mechanics.boundary.top={displacement=[0, 1e-3]}",
         ],
         &["mechanics.hourglass=0.3"],
@@ -201,6 +201,7 @@ fn explicit_runs_assemble_for_their_start_only() {
         "scheme.name=explicit",
         "time.end=2 s",
         "output.times=[]",
+        "audit.lag=1",
     ];
     let run = |start: &str| run_case("terzaghi", &[&small[..], &[start]].concat());
     let (assembled, with) = run("scheme.start=assembled");

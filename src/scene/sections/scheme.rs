@@ -30,8 +30,8 @@ pub struct Scheme {
     pub single_pass: bool,
     /// How the explicit and the semi-implicit scheme move the solid.
     pub solid: SolidMethod,
-    /// How the explicit scheme with `[coupling]` finds the equilibrium it starts from: `assembled` if absent, in three
-    /// dimensions `relaxed`.
+    /// How the explicit and the semi-implicit scheme with `[coupling]` find the equilibrium they start from: `assembled` if
+    /// absent, in three dimensions `relaxed`.
     pub start: Option<SchemeStart>,
     /// Relative imbalance of forces at which dynamic relaxation ends. If absent, 1e-6; in the steps of the explicit
     /// scheme with `[coupling]` it ends as well when little is left of what the step itself threw out of balance.

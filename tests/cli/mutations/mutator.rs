@@ -176,7 +176,7 @@ fn other_word(scene: &mut Table, path: &[Step], bases: &[Table], random: &mut Ra
 }
 
 /// Choices that bundled scenes hardly make.
-const CHOICES: [(&str, &str, &[&str]); 21] = [
+const CHOICES: [(&str, &str, &[&str]); 23] = [
     (
         "scheme",
         "name",
