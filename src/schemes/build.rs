@@ -77,7 +77,7 @@ fn stage<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Stage<
             let solid = Box::new(Relaxation::new(options));
             let parts = (flow_of(model)?, coupling_of(model)?);
             let passes = Staggered::lagged(system(plan, model)?, solid, parts, options);
-            Box::new(passes.from_start(ExplicitStart::new(plan, model)))
+            Box::new(passes.with_start(ExplicitStart::new(plan, model)))
         }
         Method::Staggered => {
             let solid = assembled(plan, model)?;

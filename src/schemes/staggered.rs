@@ -95,7 +95,7 @@ impl<const D: usize> Staggered<D> {
 
     /// The same from a start that is found as the plan asks.
     #[must_use]
-    pub(super) fn from_start(mut self, start: ExplicitStart) -> Self {
+    pub(super) fn with_start(mut self, start: ExplicitStart) -> Self {
         self.start = Some(start);
         self
     }

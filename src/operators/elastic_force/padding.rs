@@ -86,8 +86,8 @@ impl<const D: usize> Padding<D> {
     /// Lines and sites along a line by which a step on the lattice moves.
     pub fn shift(&self, step: [i64; D]) -> (i64, i64) {
         let (mut lines, mut stride) = (0, 1);
-        for axis in 1..D {
-            lines += step[axis] * stride;
+        for (axis, own) in step.iter().enumerate().skip(1) {
+            lines += own * stride;
             stride *= self.extent(axis) as i64;
         }
         (lines, step[0])
