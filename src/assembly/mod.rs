@@ -14,7 +14,7 @@ pub use consistency::{
 };
 pub use elastic::{Moduli, fill_rows, fill_stiffness};
 pub use operator::ScalarOperator;
-pub use pattern::{Pattern, PatternError, matrix_bytes, row_of};
+pub use pattern::{Pattern, PatternError, matrix_bytes};
 pub use repetition::Repetition;
 pub use scalar::Refill;
 pub use uniform_flow::uniform_flow_error;

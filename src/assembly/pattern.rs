@@ -199,11 +199,6 @@ impl Pattern {
     }
 }
 
-/// Places of a row's entries in the columns and values of a matrix.
-pub fn row_of(matrix: &CsrMatrix, row: usize) -> std::ops::Range<usize> {
-    matrix.indptr().outer_inds_sz(row)
-}
-
 /// Bytes of a matrix and its pattern.
 pub fn matrix_bytes(matrix: &CsrMatrix) -> usize {
     12 * matrix.nnz() + 4 * (matrix.rows() + 1)

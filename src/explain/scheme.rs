@@ -5,7 +5,7 @@ use perifrac_solvers::{Outline, choose};
 use super::size::row;
 use super::{Reason, reason};
 use crate::model::Sample;
-use crate::plan::capability::{Method, System, method, systems};
+use crate::plan::capability::{Method, System, method, scales_mass, systems};
 use crate::plan::{Plan, SchemeChoice, SolidMethod, StepRule};
 
 /// The scheme and the rule of its steps.
@@ -15,6 +15,10 @@ pub(super) fn scheme(plan: &Plan) -> Reason {
         Method::Steady => return steady(plan),
         Method::ForwardEuler | Method::ImplicitFlow => (pressure(plan), ""),
         Method::Verlet if plan.flow.is_none() => ("explicit (verlet)".to_owned(), ""),
+        Method::Verlet if scales_mass(plan) => (
+            "explicit (forward-euler, verlet, scaled mass)".to_owned(),
+            "",
+        ),
         Method::Verlet => ("explicit (forward-euler, verlet)".to_owned(), ""),
         Method::VerletWithFlow => ("semi-implicit (backward-euler, verlet)".to_owned(), ""),
         Method::Relaxation | Method::Equilibrium | Method::Fracture => {

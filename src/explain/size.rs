@@ -4,7 +4,7 @@ use super::scheme::{choice, outline};
 use super::{MatrixSize, Memory};
 use crate::model::Sample;
 use crate::plan::Plan;
-use crate::plan::capability::{System, systems};
+use crate::plan::capability::{System, holds_stiffness, systems};
 
 /// Points that a point of a system is coupled to, its own included.
 fn neighbours(system: System, sample: &Sample) -> f64 {
@@ -27,7 +27,9 @@ pub(super) fn matrices(plan: &Plan, sample: &Sample) -> Vec<MatrixSize> {
     let solved = systems(plan);
     let operators = [
         sample.flow.as_ref().map(|_| System::Flow),
-        sample.solid.as_ref().map(|_| System::Mechanics),
+        (sample.solid.as_ref())
+            .filter(|_| holds_stiffness(plan))
+            .map(|_| System::Mechanics),
     ];
     let both = solved.contains(&System::Monolithic);
     let held = operators.into_iter().flatten();
@@ -164,6 +166,10 @@ pub(super) fn memory(plan: &Plan, sample: &Sample, matrices: &[MatrixSize]) -> M
         bonds += families(solid.bonds);
         gradients += weights(solid.bonds, 1 + usize::from(solid.corrected));
         fields += points * 8.0 * 16.0 * dimension;
+        if !holds_stiffness(plan) {
+            // Forces from bonds: fields of displacements and stresses by sites.
+            fields += points * 8.0 * (dimension * dimension + 4.0 * dimension + 2.0);
+        }
     }
     let held: u64 = matrices.iter().map(|matrix| matrix.bytes).sum();
     let factors: u64 = matrices.iter().map(|matrix| matrix.factor).sum();

@@ -111,7 +111,7 @@ fn mechanics_alone_is_explained_without_flow() {
     let relaxed = solid(&["scheme.name=explicit"]);
     assert_eq!(relaxed.scheme.name, "quasi-static (adr, switched)");
     assert_eq!(relaxed.solver.name, "none");
-    assert_eq!(matrices(&relaxed), [("mechanics", 48, false, false)]);
+    assert!(matrices(&relaxed).is_empty());
     assert!(value(&told, "contrast").is_none() && value(&told, "Fourier").is_none());
     let text = told.to_string();
     for line in [

@@ -193,6 +193,7 @@ impl<const D: usize> Model<D> {
                 elastic,
                 loads,
                 held,
+                left: force,
             });
         }
         let outer = dot(&force, displacement);
@@ -210,6 +211,7 @@ impl<const D: usize> Model<D> {
             elastic,
             held: solid.internal_wall_force(displacement, walls, pore),
             loads,
+            left: force,
         })
     }
 
@@ -247,4 +249,6 @@ pub struct Audit {
     pub loads: Vec<f64>,
     /// Forces that hold the walls, N.
     pub held: Vec<f64>,
+    /// Forces out of balance, N, shape `(n·D,)`.
+    pub left: Vec<f64>,
 }

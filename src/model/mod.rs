@@ -26,6 +26,7 @@ mod properties;
 mod response;
 mod rounding;
 mod sample;
+mod scaled_mass;
 mod solid;
 mod stabilisation;
 mod walls;
@@ -51,13 +52,16 @@ pub use places::{Faces, Places};
 pub(crate) use properties::material_at;
 pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
+pub use scaled_mass::{SHARE, undrained_modulus};
 pub use solid::SolidModel;
 pub use walls::{Drive, MovingWall, driven_walls};
 
 use in_situ::InSitu;
+use scaled_mass::scaled_mass;
 
 use crate::effects::injection_shares;
 use crate::geometry::{Cloud, Families, Horizon, Subdomain, Vector, horizons};
+use crate::plan::capability::scales_mass;
 use crate::plan::{CrackPlan, Plan, damage_width, manufactured, ratio_warning, width_warning};
 use crate::reference::ExactPressure;
 use crate::report::Timers;
@@ -173,7 +177,7 @@ impl<const D: usize> Model<D> {
         let mut warnings = Vec::new();
         warnings.extend(doubtful_widths(plan, &cloud, &families));
         let coupling = plan.coupling.map(|_| Coupling::new(plan, &cloud, &points));
-        let solid = build_solid(
+        let mut solid = build_solid(
             plan,
             &cloud,
             &families,
@@ -191,6 +195,11 @@ impl<const D: usize> Model<D> {
             &mut warnings,
             timers,
         )?;
+        if let (true, Some(solid), Some(coupling), Some(flow)) =
+            (scales_mass(plan), &mut solid, &coupling, &flow)
+        {
+            solid.mass = scaled_mass(&cloud, solid, coupling, flow);
+        }
         let fracture_flow =
             FractureFlow::of(plan, flow.as_ref(), coupling.as_ref(), &points.permeability);
         let injections = injections(plan, flow.as_ref(), &bands);

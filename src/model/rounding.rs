@@ -3,6 +3,10 @@
 use perifrac_solvers::magnitude;
 
 use super::{FlowModel, SolidModel};
+use crate::operators::diagonal;
+
+/// Σ|K_ij| of a row over its diagonal entry: 3.6 on a lattice of 20 neighbours, 5.2 in 3-D.
+const ROW: f64 = 4.0;
 
 impl<const D: usize> SolidModel<D> {
     /// ε Σ (|K||u| + |r||w|), N: forces out of balance, Σ of absolutes, that are rounding errors.
@@ -13,7 +17,15 @@ impl<const D: usize> SolidModel<D> {
     /// the errors of a row do not add up. The closer Poisson's ratio is to 0.5, the larger is K beside
     /// the loads.
     pub fn rounding(&self, displacement: &[f64], walls: &[f64]) -> f64 {
-        let mut size = [magnitude(self.matrix(), displacement)];
+        let mut size = [match &self.force {
+            // Without entries: rows of K are at most so many diagonals.
+            Some(_) => {
+                let unknowns = displacement.chunks_exact(D).zip(diagonal(&self.elastic));
+                let sizes = unknowns.map(|(u, own)| own * u.iter().map(|u| u.abs()).sum::<f64>());
+                ROW * sizes.sum::<f64>()
+            }
+            None => magnitude(self.matrix(), displacement),
+        }];
         self.subdomain().sum(&mut size);
         for (wall, place) in self.walls.iter().zip(walls) {
             let response = wall.response.iter();

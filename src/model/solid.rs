@@ -11,14 +11,16 @@ use perifrac_solvers::{CsrMatrix, CsrView, Lattice, dot, multiply};
 use rayon::prelude::*;
 
 use crate::assembly::{
-    Consistency, Pattern, Planes, Repetition, consistent_gradient, fill_stiffness, matrix_bytes,
+    Consistency, Pattern, PatternError, Planes, Repetition, consistent_gradient, fill_stiffness,
+    matrix_bytes,
 };
 use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{Cloud, Families, Matrix, Side, Subdomain, Vector};
 use crate::operators::{
-    Damage, Divergence, Elastic, FamilyWidths, MirrorContinuation, Neighbourhood, Parity,
+    Damage, Divergence, Elastic, ElasticForce, FamilyWidths, MirrorContinuation, Neighbourhood,
+    Parity,
 };
-use crate::plan::capability::System;
+use crate::plan::capability::{System, holds_stiffness};
 use crate::plan::{MechanicsPlan, Plan};
 use crate::report::Timers;
 
@@ -34,10 +36,12 @@ use super::walls::{Drive, MovingWall, moving, parity};
 pub struct SolidModel<const D: usize> {
     /// The elastic operator.
     pub elastic: Elastic<D>,
-    /// Sparsity over points.
+    /// Sparsity over points; empty where no matrix is held.
     pub points: Pattern,
-    /// K over unknowns, N/m (per metre of thickness in 2-D).
+    /// K over unknowns, N/m (per metre of thickness in 2-D); empty likewise.
     pub stiffness: CsrMatrix,
+    /// K u from bonds, where no matrix is held.
+    pub force: Option<ElasticForce<D>>,
     /// Loads.
     pub effects: Vec<Counted>,
     /// Walls that move.
@@ -137,6 +141,7 @@ impl<const D: usize> SolidModel<D> {
                 columns: Vec::new(),
             },
             stiffness: CsrMatrix::zero((0, 0)),
+            force: None,
             effects: Vec::new(),
             walls: Vec::new(),
             wall_stiffness: DMatrix::zeros(0, 0),
@@ -176,10 +181,10 @@ impl<const D: usize> SolidModel<D> {
         }
         let (widths, prestress) = (self.widths.as_ref(), &self.initial_stress);
         self.damage = super::damage::build(plan, prestress, &self.elastic, widths, points, bands);
-        self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
-        self.stiffness = self.points.expanded(D)?.into_matrix();
-        let repetition = repetition(plan, points, &self.elastic.around, &self.points);
-        self.fill(repetition.as_ref());
+        match holds_stiffness(plan) {
+            true => self.hold(plan, points)?,
+            false => self.force = Some(ElasticForce::new(&self.elastic)),
+        }
         self.effects = effects::build_solid(&SolidContext {
             plan,
             mechanics,
@@ -189,6 +194,27 @@ impl<const D: usize> SolidModel<D> {
         })?;
         self.build_walls(mechanics, coupling);
         Ok(self)
+    }
+
+    /// Builds the pattern of K and fills it.
+    fn hold(&mut self, plan: &Plan, points: &Properties) -> Result<(), ModelError> {
+        self.points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
+        self.stiffness = self.points.expanded(D)?.into_matrix();
+        let repetition = repetition(plan, points, &self.elastic.around, &self.points);
+        self.fill(repetition.as_ref());
+        Ok(())
+    }
+
+    /// K over unknowns as a matrix of its own, N/m; for a model that holds none.
+    ///
+    /// # Errors
+    /// [`PatternError`] beyond 32-bit indices.
+    pub fn assembled(&self) -> Result<CsrMatrix, PatternError> {
+        let points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
+        let mut stiffness = points.expanded(D)?.into_matrix();
+        let fill = || fill_stiffness(&self.elastic, None, &points, stiffness.data_mut());
+        self.timers.time("assembly", fill);
+        Ok(stiffness)
     }
 
     /// Fills K anew into the same pattern.
@@ -294,13 +320,28 @@ impl<const D: usize> SolidModel<D> {
 
     /// Takes K u + r w off `force`, shape `(n·D,)`, N.
     pub fn subtract_internal(&self, displacement: &[f64], walls: &[f64], force: &mut [f64]) {
-        let mut product = vec![0.0; displacement.len()];
-        multiply(self.matrix(), displacement, &mut product);
-        self.subdomain().complete(&mut product, D);
-        force.iter_mut().zip(&product).for_each(|(f, p)| *f -= p);
+        match &self.force {
+            Some(own) => own.subtract(&self.elastic, displacement, force),
+            None => {
+                let mut product = vec![0.0; displacement.len()];
+                self.multiply(displacement, &mut product);
+                force.iter_mut().zip(&product).for_each(|(f, p)| *f -= p);
+            }
+        }
         for (wall, &place) in self.walls.iter().zip(walls) {
             for &(unknown, response) in &wall.response {
                 force[unknown as usize] -= response * place;
+            }
+        }
+    }
+
+    /// K u into `product`, shape `(n·D,)`, N; walls at rest.
+    pub fn multiply(&self, displacement: &[f64], product: &mut [f64]) {
+        match &self.force {
+            Some(force) => force.evaluate(&self.elastic, displacement, product),
+            None => {
+                multiply(self.matrix(), displacement, product);
+                self.subdomain().complete(product, D);
             }
         }
     }
@@ -440,6 +481,10 @@ impl<const D: usize> SolidModel<D> {
             (
                 "solid-matrix",
                 self.points.bytes() + matrix_bytes(&self.stiffness),
+            ),
+            (
+                "solid-forces",
+                self.force.as_ref().map_or(0, ElasticForce::bytes),
             ),
             ("solid-mass", 8 * self.mass.len()),
             ("damage", self.damage.as_ref().map_or(0, Damage::bytes)),

@@ -126,6 +126,19 @@ impl<const D: usize> Elastic<D> {
         Vector::from_fn(|axis, _| self.extension[axis].sign(image))
     }
 
+    /// A vector at the end of a bond with the signs of its image.
+    pub(super) fn signed(&self, bond: usize, vector: Vector<D>) -> Vector<D> {
+        match self.around.families.image(bond) {
+            0 => vector,
+            _ => self.signs(bond).component_mul(&vector),
+        }
+    }
+
+    /// Whether strains take the plain gradient.
+    pub fn has_plain_gradient(&self) -> bool {
+        Arc::ptr_eq(&self.gradient, &self.plain)
+    }
+
     /// Bond difference of a displacement field of shape `(n·D,)`, fixed walls at rest, m.
     pub fn difference(&self, displacement: &[f64], owner: usize, bond: usize) -> Vector<D> {
         let end = self.around.families.neighbour(bond);
@@ -133,7 +146,7 @@ impl<const D: usize> Elastic<D> {
             point_value(displacement, owner),
             point_value(displacement, end),
         );
-        self.signs(bond).component_mul(&to) - from
+        self.signed(bond, to) - from
     }
 
     /// Displacement gradient of a point from its bond differences; rows are components.
@@ -195,7 +208,7 @@ impl<const D: usize> Elastic<D> {
         if let Some(layers) = self.layers(owner) {
             return self.layered_response(owner, layers, &slope, response, forces);
         }
-        match Arc::ptr_eq(&self.gradient, &self.plain) {
+        match self.has_plain_gradient() {
             true => plain = slope,
             false => {
                 for (bond, own) in family.clone().zip(&*forces) {
@@ -256,7 +269,7 @@ impl<const D: usize> Elastic<D> {
             let own: Vector<D> = families.family(point).map(|bond| forces[bond]).sum();
             let dual: Vector<D> = families
                 .dual(point)
-                .map(|(_, bond)| self.signs(bond).component_mul(&forces[bond]))
+                .map(|(_, bond)| self.signed(bond, forces[bond]))
                 .sum();
             sums.copy_from_slice((dual - own).as_slice());
         };
@@ -274,14 +287,14 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Weights of the hourglass energy: the plain gradient and h.
+    #[inline]
     pub(crate) fn hourglass(&self, owner: usize) -> (&Gradient<D>, f64) {
         (&self.plain, self.hourglass[owner])
     }
 
     /// Bytes held beyond the neighbourhood.
     pub fn bytes(&self) -> usize {
-        let shared = Arc::ptr_eq(&self.plain, &self.gradient);
-        let gradients = if shared { 1 } else { 2 } * self.plain.bytes();
+        let gradients = if self.has_plain_gradient() { 1 } else { 2 } * self.plain.bytes();
         let layers = self.laminate.as_ref().map_or(0, Laminate::bytes);
         gradients + layers + 8 * self.hourglass.len() + size_of::<Lame>() * self.lame.len()
     }

@@ -24,12 +24,12 @@ pub use setup::Setup;
 #[cfg(feature = "study")]
 pub(crate) use types::with_contrast;
 pub use types::{
-    Acceleration, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace, CrackPlan,
-    DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan,
+    Acceleration, AdrDamping, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace,
+    CrackPlan, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FlowPlan, FluidPlan,
     FractureFlowPlan, GeometryPlan, GradientChoice, GravityPlan, HourglassRule, InitialPlan,
     InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, Normalise, OperatorChoice, OutputPlan,
     PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
-    SchemeChoice, SchemeOptions, SideCondition, SolidMethod, StartPlan, StepRule, Support,
-    TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
+    SchemeChoice, SchemeOptions, SchemeStart, SideCondition, SolidMethod, StartPlan, StepRule,
+    Support, TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
 };
 pub use width::{damage_width, ratio_warning, width_warning};

@@ -4,7 +4,7 @@ use perifrac_solvers::dot;
 
 use super::scale::Scale;
 use super::time_loop::Run;
-use crate::model::{Audit, Model};
+use crate::model::{Audit, Model, SolidModel};
 use crate::plan::{SchemeChoice, TimeMode};
 use crate::report::{Balance, Moment, Supply};
 use crate::schemes::{Conserved, State, StepError, StepReport};
@@ -158,8 +158,9 @@ impl<const D: usize> Run<'_, D> {
         balance.energy = audit.as_ref().map(|audit| audit.energy);
         balance.potential = audit.as_ref().map(|audit| audit.potential);
         let Some(audit) = audit else { return 0.0 };
-        match moment(model, state, audit.elastic) {
-            Some(now) => balance.balance_motion(now),
+        let inertia = (model.solid.as_deref()).filter(|solid| !solid.mass.is_empty());
+        match inertia {
+            Some(solid) => balance.balance_motion(moment(model, solid, state, audit)),
             None => {
                 balance.balance_forces(audit.unbalanced, audit.forces);
                 // What breaks at once takes more than the trapezoidal rule knows of.
@@ -177,27 +178,25 @@ fn bound(limit: f64) -> f64 {
     if limit < 1.0 { limit } else { f64::INFINITY }
 }
 
-/// What the balances need of a body with inertia; nothing without.
-fn moment<const D: usize>(model: &Model<D>, state: &State, elastic: f64) -> Option<Moment> {
-    let solid = model
-        .solid
-        .as_ref()
-        .filter(|solid| !solid.mass.is_empty())?;
-    let external = model.external_force(state.time, &state.pressure);
-    let mut total = external.clone();
-    solid.subtract_internal(&state.displacement, &state.walls, &mut total);
+/// What the balances need of a body with inertia.
+fn moment<const D: usize>(
+    model: &Model<D>,
+    solid: &SolidModel<D>,
+    state: &State,
+    audit: Audit,
+) -> Moment {
     let of_components = solid.mass.iter().flat_map(|mass| [*mass; D]);
-    Some(Moment {
+    Moment {
         time: state.time,
         mass: of_components.collect(),
         velocity: state.velocity.clone(),
         displacement: state.displacement.clone(),
-        external,
-        total,
+        external: model.external_force(state.time, &state.pressure),
+        total: audit.left,
         walls: state.walls.clone(),
         held: solid.internal_wall_force(&state.displacement, &state.walls, &[]),
-        elastic,
-    })
+        elastic: audit.elastic,
+    }
 }
 
 /// What the balance of energy needs of a body without inertia.

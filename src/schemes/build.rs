@@ -1,12 +1,13 @@
 //! The scheme of a plan, put together from its parts.
 
+use super::start::ExplicitStart;
 use super::{
     Assembled, FlowStage, ForwardEuler, Fracture, FractureFlowStep, Implicit, ImplicitSystem,
     LaggedFracture, Monolithic, QuasiStatic, Relaxation, Scheme, SolidSolver, Stage, Staggered,
     StepError, Verlet, coupling_of, flow_of, solid_of,
 };
 use crate::model::Model;
-use crate::plan::capability::{Method, Refusal, method, refusals};
+use crate::plan::capability::{Method, Refusal, method, refusals, scales_mass};
 use crate::plan::{DamagePlan, Integrator, Plan, StepRule};
 
 /// Refuses what cannot be combined in a run by so many processes.
@@ -44,6 +45,9 @@ pub fn build<const D: usize>(
             let fracture = Fracture::new(&plan.fracture_demand(), model, damage_of(plan)?)?;
             Box::new(QuasiStatic::new(Box::new(fracture)))
         }
+        Method::Verlet if scales_mass(plan) => {
+            Box::new(Verlet::new(model, None)?.with_scaled_mass(plan, model))
+        }
         Method::Verlet => Box::new(Verlet::new(model, None)?),
         Method::VerletWithFlow => Box::new(Verlet::new(model, Some(system(plan, model)?))?),
         Method::RelaxedExplicit => {
@@ -51,7 +55,7 @@ pub fn build<const D: usize>(
             let name = SolidSolver::<D>::name(&*solid);
             let parts = (flow_of(model)?, coupling_of(model)?);
             let passes = Staggered::pointwise(solid, parts, options, true);
-            Box::new(ForwardEuler::coupled(model, passes, name)?)
+            Box::new(ForwardEuler::coupled(plan, model, passes, name)?)
         }
         Method::LaggedFracture => Box::new(LaggedFracture::new(plan, model)?),
         Method::StaggeredFracture | Method::MonolithicFracture => {
@@ -72,12 +76,8 @@ fn stage<const D: usize>(plan: &Plan, model: &Model<D>) -> Result<Box<dyn Stage<
         Method::RelaxedImplicit => {
             let solid = Box::new(Relaxation::new(options));
             let parts = (flow_of(model)?, coupling_of(model)?);
-            Box::new(Staggered::lagged(
-                system(plan, model)?,
-                solid,
-                parts,
-                options,
-            ))
+            let passes = Staggered::lagged(system(plan, model)?, solid, parts, options);
+            Box::new(passes.with_start(ExplicitStart::new(plan, model)))
         }
         Method::Staggered => {
             let solid = assembled(plan, model)?;

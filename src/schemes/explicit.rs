@@ -16,11 +16,13 @@ use super::implicit::{close_fixed, weighted_flows};
 use super::memory::GrowthMonitor;
 use super::quasi_static::growth;
 use super::stage::{self, Stage, Target};
+use super::start::ExplicitStart;
 use super::{
     Memory, Scheme, SchemeCounters, Staggered, State, StepError, StepLimit, StepReport,
     diffusion_limit, flow_of,
 };
 use crate::model::{FlowModel, Model, exchange};
+use crate::plan::Plan;
 
 /// Forward Euler.
 pub struct ForwardEuler<const D: usize> {
@@ -36,6 +38,7 @@ pub struct ForwardEuler<const D: usize> {
     storage: Vec<f64>,
     /// Passes between flow and the solid, if there is one.
     passes: Option<Staggered<D>>,
+    start: Option<ExplicitStart>,
     /// Whether loads on the solid vary over time.
     loads_vary: bool,
 }
@@ -64,6 +67,7 @@ impl<const D: usize> ForwardEuler<D> {
             watch: GrowthMonitor::default(),
             storage: flow.capacity.clone(),
             passes: None,
+            start: None,
             loads_vary: model
                 .solid
                 .as_ref()
@@ -75,12 +79,18 @@ impl<const D: usize> ForwardEuler<D> {
     ///
     /// # Errors
     /// [`StepError::Missing`] without flow.
-    pub fn coupled(model: &Model<D>, passes: Staggered<D>, solid: &str) -> Result<Self, StepError> {
+    pub fn coupled(
+        plan: &Plan,
+        model: &Model<D>,
+        passes: Staggered<D>,
+        solid: &str,
+    ) -> Result<Self, StepError> {
         let mut scheme = Self::new(model)?;
         scheme.storage = passes.storage().to_vec();
         scheme.limit = diffusion_limit(flow_of(model)?, &scheme.storage);
         scheme.name = format!("explicit (forward-euler, {solid})");
         scheme.passes = Some(passes);
+        scheme.start = Some(ExplicitStart::new(plan, model));
         Ok(scheme)
     }
 
@@ -302,9 +312,14 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
     }
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
-        match &mut self.passes {
-            Some(passes) => stage::start(passes, model, state),
-            None => Ok(()),
+        match (&mut self.passes, &mut self.start) {
+            (Some(passes), Some(start)) if start.applies(model)? => {
+                start.start(model, passes.solid(), state)?;
+                Stage::remember(passes, &mut state.memory);
+                Ok(())
+            }
+            (Some(passes), _) => stage::start(passes, model, state),
+            (None, _) => Ok(()),
         }
     }
 
@@ -343,6 +358,9 @@ impl<const D: usize> Scheme<D> for ForwardEuler<D> {
             .as_ref()
             .map_or_else(SchemeCounters::default, Stage::counters);
         counters.products += self.products;
+        if let Some(start) = &self.start {
+            counters.add(start.counters());
+        }
         counters
     }
 }

@@ -88,8 +88,13 @@ fn largest_eigenvalue<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> f
     lanczos(flow.points(), apply)
 }
 
+/// Upper estimate of the largest eigenvalue of a symmetric positive operator of `size` unknowns.
+pub(super) fn largest_eigenvalue_of(size: usize, apply: impl FnMut(&[f64]) -> Vec<f64>) -> f64 {
+    lanczos(size, apply)
+}
+
 /// Largest Ritz value plus its residual bound.
-fn lanczos(size: usize, apply: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
+fn lanczos(size: usize, mut apply: impl FnMut(&[f64]) -> Vec<f64>) -> f64 {
     let mut current = start_vector(size);
     let mut previous = vec![0.0; size];
     let (mut diagonal, mut off): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());

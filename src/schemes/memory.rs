@@ -28,6 +28,8 @@ pub struct Memory {
     pub largest_force: f64,
     /// Smoothed local stiffness of dynamic relaxation per point, Eq. 67.
     pub local_stiffness: Vec<f64>,
+    /// How the solid moved in the last explicit step that relaxation followed.
+    pub followed: Rates,
     /// Iterations for which Newton's tangent is not tried after it failed.
     pub tangent_rest: usize,
     /// Residual that linear systems of both fields are solved to.

@@ -7,6 +7,7 @@
 //! ```
 
 mod accelerator;
+mod border;
 mod build;
 mod control;
 mod error;
@@ -23,6 +24,7 @@ mod solid;
 mod stage;
 mod staggered;
 mod stagnation;
+mod start;
 mod state;
 mod steady;
 mod system;

@@ -13,10 +13,9 @@ use perifrac_solvers::{
     SolverSpec, Symmetry,
 };
 
+use super::border::BorderedSystem;
 use super::layout::BlockMatrix;
-use super::solid::{
-    BorderedSystem, Chosen, build_solver, plate_stiffness, ratio, volume_stiffness,
-};
+use super::solid::{Chosen, build_solver, plate_stiffness, ratio, volume_stiffness};
 use super::stage::{Stage, Target};
 use super::system::{FILTERED, kept_if_same};
 use super::{

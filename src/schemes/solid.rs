@@ -1,11 +1,12 @@
 //! Mechanical equilibrium at a given pressure: assembled and solved, or relaxed.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use perifrac_solvers::{
-    Coordinates, Demand, LinearSolver, NearNullspace, Outline, Problem, SolverSpec, Symmetry,
-    choose, norm2,
+    Coordinates, CsrMatrix, CsrView, Demand, LinearSolver, NearNullspace, Outline, Problem,
+    SolverSpec, Symmetry, choose, norm2,
 };
 
+use super::border::BorderedSystem;
 use super::timed::TimedSolver;
 use super::{Memory, SchemeCounters, State, StepError, solid_of};
 use crate::model::{Model, SolidModel};
@@ -21,6 +22,20 @@ pub trait SolidSolver<const D: usize>: Send {
     /// # Errors
     /// [`StepError`] if no equilibrium is reached.
     fn equilibrate(&mut self, model: &Model<D>, state: &mut State) -> Result<usize, StepError>;
+
+    /// Moves the state of an explicit step of `dt` seconds towards equilibrium, from where it was before the step, as
+    /// far as the error of the step asks for.
+    ///
+    /// # Errors
+    /// As [`SolidSolver::equilibrate`].
+    fn follow(
+        &mut self,
+        model: &Model<D>,
+        state: &mut State,
+        _dt: f64,
+    ) -> Result<usize, StepError> {
+        self.equilibrate(model, state)
+    }
 
     /// Forces out of balance, relative to all forces, that it leaves.
     fn accuracy(&self) -> f64;
@@ -49,6 +64,8 @@ pub struct Assembled {
     largest: f64,
     newton: u64,
     refilled: Option<u64>,
+    /// The stiffness, where the model holds none.
+    own: Option<CsrMatrix>,
 }
 
 /// Forces out of balance, relative to all forces, that count as equilibrium.
@@ -70,8 +87,32 @@ impl Assembled {
     /// # Errors
     /// [`StepError`] if the solver is refused.
     pub fn new<const D: usize>(demand: &Demand, solid: &SolidModel<D>) -> Result<Self, StepError> {
+        Self::with(demand, solid, None)
+    }
+
+    /// The same with a stiffness of its own, for a model that holds none.
+    ///
+    /// # Errors
+    /// [`StepError`] if the matrix is too large, or the solver is refused.
+    pub fn apart<const D: usize>(
+        demand: &Demand,
+        solid: &SolidModel<D>,
+    ) -> Result<Self, StepError> {
+        let own = solid.assembled()?;
+        Self::with(demand, solid, Some(own))
+    }
+
+    fn with<const D: usize>(
+        demand: &Demand,
+        solid: &SolidModel<D>,
+        own: Option<CsrMatrix>,
+    ) -> Result<Self, StepError> {
         let coordinates = solid.elastic.around.cloud.flat_positions();
-        let problem = mechanics_problem(solid, &coordinates, demand.solves);
+        let matrix = own.as_ref().map_or_else(|| solid.matrix(), CsrMatrix::view);
+        let problem = Problem {
+            solves: demand.solves,
+            ..mechanics_problem(solid, matrix, &coordinates)
+        };
         let (solver, chosen) = build_solver(&demand.spec, &problem, &solid.timers)?;
         Ok(Assembled {
             solver,
@@ -80,6 +121,7 @@ impl Assembled {
             largest: 0.0,
             newton: 0,
             refilled: None,
+            own,
         })
     }
 
@@ -88,7 +130,11 @@ impl Assembled {
             return Ok(());
         }
         self.refilled = None;
-        self.solver.refresh(solid.matrix())?;
+        let matrix = self
+            .own
+            .as_ref()
+            .map_or_else(|| solid.matrix(), CsrMatrix::view);
+        self.solver.refresh(matrix)?;
         let columns = solid
             .plates()
             .into_iter()
@@ -105,7 +151,7 @@ impl Assembled {
         let solver = &mut self.solver;
         self.border = BorderedSystem::new(columns, plate_stiffness, |column| {
             let mut x = vec![0.0; column.len()];
-            solver.solve(solid.matrix(), column, &mut x)?;
+            solver.solve(matrix, column, &mut x)?;
             Ok(x)
         })?;
         self.refilled = Some(solid.refills);
@@ -116,12 +162,11 @@ impl Assembled {
 /// The linear problem of mechanics alone; `coordinates` are those of the points.
 pub(super) fn mechanics_problem<'a, const D: usize>(
     solid: &'a SolidModel<D>,
+    matrix: CsrView<'a>,
     coordinates: &'a [f64],
-    solves: usize,
 ) -> Problem<'a> {
     Problem {
         partition: solid.subdomain().partition(),
-        solves,
         contrast: ratio(solid.elastic.lame.iter().map(|lame| lame.mu)),
         volume_stiffness: volume_stiffness(solid),
         coordinates: Some(Coordinates {
@@ -130,7 +175,7 @@ pub(super) fn mechanics_problem<'a, const D: usize>(
         }),
         near_nullspace: NearNullspace::RigidModes,
         lattice: solid.lattice.as_ref().map_err(String::as_str),
-        ..Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D)
+        ..Problem::new(matrix, Symmetry::PositiveDefinite, D)
     }
 }
 
@@ -289,7 +334,11 @@ impl Assembled {
         state: &mut State,
     ) -> Result<(usize, Vec<f64>), StepError> {
         let mut change = vec![0.0; at.force.len()];
-        let solved = self.solver.solve(solid.matrix(), &at.force, &mut change)?;
+        let matrix = self
+            .own
+            .as_ref()
+            .map_or_else(|| solid.matrix(), CsrMatrix::view);
+        let solved = self.solver.solve(matrix, &at.force, &mut change)?;
         self.newton += 1;
         let moved = self.border.close(&mut change, &at.plates);
         let pairs = state.displacement.iter_mut().zip(&change);
@@ -313,61 +362,5 @@ impl Assembled {
         let pressure = model.coupling.as_ref().map_or(&[][..], |_| &state.pressure);
         let all = solid.wall_residual(state.time, &state.displacement, &state.walls, pressure);
         plates.into_iter().map(|plate| all[plate]).collect()
-    }
-}
-
-/// A few unknowns beyond the factored matrix A: [A B; Bᵀ C] with A⁻¹ at hand.
-#[derive(Debug, Clone, Default)]
-pub(super) struct BorderedSystem {
-    columns: Vec<Vec<f64>>,
-    /// A⁻¹ B.
-    solved: Vec<Vec<f64>>,
-    /// (C − Bᵀ A⁻¹ B)⁻¹.
-    inverse: DMatrix<f64>,
-}
-
-impl BorderedSystem {
-    /// System bordered by the given columns and the stiffness of the plates; `solve` applies A⁻¹.
-    ///
-    /// # Errors
-    /// Those of `solve`; [`StepError::LoosePlate`] if the bordered matrix is singular.
-    pub(super) fn new(
-        columns: Vec<Vec<f64>>,
-        plate_stiffness: DMatrix<f64>,
-        mut solve: impl FnMut(&[f64]) -> Result<Vec<f64>, StepError>,
-    ) -> Result<Self, StepError> {
-        let solved: Result<Vec<Vec<f64>>, StepError> =
-            columns.iter().map(|column| solve(column)).collect();
-        let solved = solved?;
-        let schur = DMatrix::from_fn(columns.len(), columns.len(), |k, l| {
-            plate_stiffness[(k, l)] - perifrac_solvers::dot(&columns[k], &solved[l])
-        });
-        let inverse = match columns.is_empty() {
-            true => schur,
-            false => schur.try_inverse().ok_or(StepError::LoosePlate)?,
-        };
-        Ok(BorderedSystem {
-            columns,
-            solved,
-            inverse,
-        })
-    }
-
-    /// Turns `x` = A⁻¹ f into the solution of the bordered system with right-hand side (f, g); gives
-    /// the border's unknowns.
-    pub(super) fn close(&self, x: &mut [f64], rest: &[f64]) -> Vec<f64> {
-        if self.columns.is_empty() {
-            return Vec::new();
-        }
-        let rhs = self
-            .columns
-            .iter()
-            .zip(rest)
-            .map(|(b, g)| g - perifrac_solvers::dot(b, x));
-        let own = &self.inverse * DVector::from_iterator(self.columns.len(), rhs);
-        for (solved, w) in self.solved.iter().zip(own.iter()) {
-            x.iter_mut().zip(solved).for_each(|(x, z)| *x -= w * z);
-        }
-        own.iter().copied().collect()
     }
 }

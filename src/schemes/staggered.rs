@@ -9,6 +9,7 @@ use super::memory::{Lag, Predictor};
 use super::solid::SolidSolver;
 use super::stage::{Stage, Target};
 use super::stagnation::Stagnation;
+use super::start::ExplicitStart;
 use super::undrained::undrained;
 use super::{
     ImplicitSystem, Increment, Memory, SchemeCounters, State, StepError, StepReport, coupling_of,
@@ -23,6 +24,8 @@ pub struct Staggered<const D: usize> {
     name: &'static str,
     flow: FlowPart,
     solid: Box<dyn SolidSolver<D>>,
+    /// What finds the start, where the solid has no linear system.
+    start: Option<ExplicitStart>,
     /// β V per point, m^D/Pa.
     split: Vec<f64>,
     /// S + β V per point, m^D/Pa.
@@ -90,6 +93,13 @@ impl<const D: usize> Staggered<D> {
         Self::new("semi-implicit", flow, solid, parts, options, tolerance)
     }
 
+    /// The same from a start that is found as the plan asks.
+    #[must_use]
+    pub(super) fn with_start(mut self, start: ExplicitStart) -> Self {
+        self.start = Some(start);
+        self
+    }
+
     /// Without a linear system: what flows is that of the base. With `once` all steps pass once.
     pub fn pointwise(
         solid: Box<dyn SolidSolver<D>>,
@@ -145,6 +155,7 @@ impl<const D: usize> Staggered<D> {
             name,
             flow,
             solid,
+            start: None,
             storage,
             split,
             options,
@@ -200,7 +211,11 @@ impl<const D: usize> Staggered<D> {
             .iter_mut()
             .zip(base.iter().zip(change))
             .for_each(|(p, (b, c))| *p = b + c);
-        report.iterations += self.solid.equilibrate(model, state)?;
+        // Steps that pass once pass on to the next what the solid has not followed yet.
+        report.iterations += match self.passes_once(target.slot) {
+            true => self.solid.follow(model, state, target.dt)?,
+            false => self.solid.equilibrate(model, state)?,
+        };
         let step = state.since(target.base);
         Ok(model.content(&step.displacement, &step.walls))
     }
@@ -416,7 +431,10 @@ impl<const D: usize> Stage<D> for Staggered<D> {
 
     fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         if flow_of(model)?.stabilisation.is_empty() {
-            return undrained(model, &mut *self.solid, &self.options, state);
+            return match &mut self.start {
+                Some(start) => start.start(model, &mut *self.solid, state),
+                None => undrained(model, &mut *self.solid, &self.options, state),
+            };
         }
         // The stabilising storage couples the points: one stage in which nothing flows.
         Stage::<D>::prepare(self, model, 0.0)?;
@@ -475,6 +493,9 @@ impl<const D: usize> Stage<D> for Staggered<D> {
 
     fn counters(&self) -> SchemeCounters {
         let mut counters = self.solid.counters();
+        if let Some(start) = &self.start {
+            counters.add(start.counters());
+        }
         if let FlowPart::System(system) = &self.flow {
             counters.solver = system.counters().clone();
         }

@@ -4,11 +4,15 @@
 //! strain of this very step (Eq. 62 as printed), and nothing lags.
 
 use super::memory::Timed;
+use super::relaxation::Relaxation;
+use super::solid::SolidSolver;
+use super::start::ExplicitStart;
 use super::{
     ImplicitSystem, Memory, Scheme, SchemeCounters, State, StepError, StepLimit, StepReport,
     flow_of, solid_of,
 };
-use crate::model::{Model, SolidModel};
+use crate::model::{Model, SHARE, SolidModel, undrained_modulus};
+use crate::plan::{Plan, SchemeOptions, SolidMethod};
 
 /// Velocity Verlet.
 pub struct Verlet {
@@ -16,11 +20,10 @@ pub struct Verlet {
     name: &'static str,
     /// Implicit flow, if the scheme is semi-implicit.
     flow: Option<ImplicitSystem>,
+    /// The equilibrium to start from, where inertia does not matter, and what relaxes to it.
+    start: Option<(ExplicitStart, Relaxation)>,
     products: u64,
 }
-
-/// Share of the step of Eq. 60 that is taken (Eq. 61).
-const SHARE: f64 = 0.7;
 
 impl Verlet {
     /// Scheme for a model with inertia; `flow` makes the pressure implicit, otherwise it is explicit.
@@ -46,8 +49,21 @@ impl Verlet {
                 (Some(_), Some(_)) => "semi-implicit (backward-euler, verlet)",
             },
             flow,
+            start: None,
             products: 0,
         })
+    }
+
+    /// The same for a model whose mass is scaled, from the equilibrium that the scene asks for.
+    #[must_use]
+    pub fn with_scaled_mass<const D: usize>(mut self, plan: &Plan, model: &Model<D>) -> Self {
+        let options = SchemeOptions {
+            solid: SolidMethod::Adr,
+            ..plan.scheme_options
+        };
+        self.name = "explicit (forward-euler, verlet, scaled mass)";
+        self.start = Some((ExplicitStart::new(plan, model), Relaxation::new(options)));
+        self
     }
 
     fn accelerations<const D: usize>(
@@ -127,14 +143,8 @@ impl Verlet {
 fn wave_limit<const D: usize>(model: &Model<D>, solid: &SolidModel<D>) -> StepLimit {
     let cloud = &model.cloud;
     let step = |point: usize| {
-        let fluid = match (&model.coupling, &model.flow) {
-            (Some(coupling), Some(flow)) => {
-                coupling.divergence.weight[point].powi(2)
-                    / (flow.capacity[point] * cloud.volume[point])
-            }
-            _ => 0.0,
-        };
-        let modulus = solid.elastic.stiffest(point) + fluid;
+        let fluid = model.coupling.as_ref().zip(model.flow.as_ref());
+        let modulus = undrained_modulus(cloud, solid, fluid, point);
         let density = solid.mass[point] / cloud.volume[point];
         SHARE * cloud.spacing(point) * (density / modulus).sqrt()
     };
@@ -162,6 +172,13 @@ impl<const D: usize> Scheme<D> for Verlet {
 
     fn local_order(&self) -> f64 {
         2.0
+    }
+
+    fn start(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
+        match &mut self.start {
+            Some((start, relaxation)) => start.start(model, relaxation, state),
+            None => Ok(()),
+        }
     }
 
     fn limit(&self) -> Option<&StepLimit> {
@@ -214,7 +231,7 @@ impl<const D: usize> Scheme<D> for Verlet {
     }
 
     fn counters(&self) -> SchemeCounters {
-        SchemeCounters {
+        let mut counters = SchemeCounters {
             products: self.products,
             solver: self
                 .flow
@@ -222,7 +239,12 @@ impl<const D: usize> Scheme<D> for Verlet {
                 .map(|flow| flow.counters().clone())
                 .unwrap_or_default(),
             ..SchemeCounters::default()
+        };
+        if let Some((start, relaxation)) = &self.start {
+            counters.add(start.counters());
+            counters.add(&SolidSolver::<3>::counters(relaxation));
         }
+        counters
     }
 
     fn solver(&self) -> Option<(String, String)> {

@@ -5,6 +5,7 @@
 mod support;
 
 mod backends;
+mod bond_forces;
 mod carter;
 mod combinations;
 mod cracks;

@@ -113,6 +113,27 @@ const CASES: &[(&str, &[&str])] = &[
             "scheme.name=semi-implicit",
         ],
     ),
+    // Steps of the solid as printed.
+    (
+        "terzaghi",
+        &[
+            "geometry.spacing=0.5",
+            "scheme.name=explicit",
+            "scheme.solid=verlet",
+            "time.end=2 s",
+            "output.times=[1]",
+        ],
+    ),
+    (
+        "terzaghi",
+        &[
+            "geometry.spacing=0.5",
+            "scheme.name=explicit",
+            "scheme.adr_damping=local",
+            "time.end=2 s",
+            "output.times=[1]",
+        ],
+    ),
 ];
 
 fn loaded((case, overrides): (&str, &[&str])) -> LoadedScene {

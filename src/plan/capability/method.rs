@@ -2,7 +2,7 @@
 
 use perifrac_solvers::Symmetry;
 
-use crate::plan::types::{Plan, SchemeChoice, TimeMode};
+use crate::plan::types::{Plan, SchemeChoice, SolidMethod, TimeMode};
 
 /// What a scheme becomes with the effects of a plan.
 ///
@@ -64,11 +64,35 @@ pub fn method(plan: &Plan) -> Method {
             _ if relaxes => Method::LaggedFracture,
             _ => Method::MonolithicFracture,
         },
+        (SchemeChoice::Explicit, _) if plan.scheme_options.solid == SolidMethod::Verlet => {
+            Method::Verlet
+        }
         (SchemeChoice::Explicit, _) => Method::RelaxedExplicit,
         (SchemeChoice::SemiImplicit(_), _) => Method::RelaxedImplicit,
         (SchemeChoice::Staggered(_), _) => Method::Staggered,
         (SchemeChoice::Implicit(_) | SchemeChoice::Monolithic(_), _) => Method::Monolithic,
     }
+}
+
+/// Whether the solid moves by steps of its own, one a step of the pressure (Algorithm 1), though inertia does not
+/// matter: its mass is then what makes such steps stable.
+pub fn scales_mass(plan: &Plan) -> bool {
+    let rests = (plan.mechanics.as_ref()).is_some_and(|mechanics| !mechanics.inertia);
+    rests && method(plan) == Method::Verlet
+}
+
+/// Whether the stiffness of the solid is held as a matrix. Where nothing solves for it or looks at its entries
+/// forces come from bonds.
+pub fn holds_stiffness(plan: &Plan) -> bool {
+    !matches!(
+        method(plan),
+        Method::Relaxation
+            | Method::Verlet
+            | Method::VerletWithFlow
+            | Method::RelaxedExplicit
+            | Method::RelaxedImplicit
+            | Method::LaggedFracture
+    )
 }
 
 /// A linear system and the fields that it is for.

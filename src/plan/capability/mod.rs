@@ -14,7 +14,7 @@ mod tests;
 use perifrac_solvers::{Backend, SolveError};
 
 pub use feature::{Feature, Features, features};
-pub use method::{Method, System, method, systems};
+pub use method::{Method, System, holds_stiffness, method, scales_mass, systems};
 pub use page::{completed, page};
 pub use rules::{Place, RULES, Rule};
 

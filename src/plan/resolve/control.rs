@@ -2,7 +2,7 @@
 
 use crate::plan::types::{
     AuditPlan, Integrator, OutputPlan, Probe, Profile, ReferencePlan, SchemeChoice, SchemeOptions,
-    StepRule, TimePlan,
+    SchemeStart, StepRule, TimePlan,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, Spanned};
@@ -53,7 +53,7 @@ pub(super) fn scheme(scene: &scene::Scene) -> SchemeChoice {
     }
 }
 
-pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
+pub(super) fn scheme_options(scheme: &scene::Scheme, dimension: usize) -> SchemeOptions {
     let count = |number: Spanned<u64>| usize::try_from(number.value).unwrap_or(usize::MAX);
     SchemeOptions {
         relaxation: scheme.relaxation.value(),
@@ -62,11 +62,23 @@ pub(super) fn scheme_options(scheme: &scene::Scheme) -> SchemeOptions {
         coupling_iterations: count(scheme.coupling_iterations),
         single_pass: scheme.single_pass,
         solid: scheme.solid,
-        adr_tolerance: scheme.adr_tolerance.value(),
+        start: scheme.start.unwrap_or(match dimension {
+            2 => SchemeStart::Assembled,
+            // 97 kB a point of matrix and more of factor, where forces take 0.3 kB.
+            _ => SchemeStart::Relaxed,
+        }),
+        adr_tolerance: scheme
+            .adr_tolerance
+            .map_or(ADR_TOLERANCE, |own| own.value()),
+        adr_follows: scheme.adr_tolerance.is_none(),
         adr_iterations: count(scheme.adr_iterations),
+        adr_damping: scheme.adr_damping,
         adr_smoothing: scheme.adr_smoothing.value(),
     }
 }
+
+/// Relative imbalance of forces at which dynamic relaxation ends, where none is given.
+const ADR_TOLERANCE: f64 = 1e-6;
 
 /// Fluid that may be lost or made, where no limit is given.
 const MASS: f64 = 1e-2;

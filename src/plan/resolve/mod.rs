@@ -155,7 +155,7 @@ impl Resolver<'_> {
             start: scene.start.as_deref().map(|start| self.start(start)),
             time,
             scheme: control::scheme(scene),
-            scheme_options: control::scheme_options(&scene.scheme),
+            scheme_options: control::scheme_options(&scene.scheme, dimension),
             solver: solver?,
             audit: control::audit(scene),
             output,

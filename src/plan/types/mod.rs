@@ -23,7 +23,9 @@ pub use damage::{
 pub use initial::InitialPlan;
 pub use material::{MaterialPlan, PermeabilityPlan, with_contrast};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
-pub use scheme::{Acceleration, Integrator, SchemeChoice, SchemeOptions, SolidMethod};
+pub use scheme::{
+    Acceleration, AdrDamping, Integrator, SchemeChoice, SchemeOptions, SchemeStart, SolidMethod,
+};
 
 use super::Load;
 use super::OwnEffect;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::scene::SchemeName;
-pub use crate::scene::{Acceleration, Integrator, SolidMethod};
+pub use crate::scene::{Acceleration, AdrDamping, Integrator, SchemeStart, SolidMethod};
 
 /// Time scheme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -65,10 +65,16 @@ pub struct SchemeOptions {
     pub single_pass: bool,
     /// How the solid moves where it has no linear system.
     pub solid: SolidMethod,
+    /// How the explicit scheme finds the equilibrium it starts from.
+    pub start: SchemeStart,
     /// Relative imbalance of forces at which dynamic relaxation ends.
     pub adr_tolerance: f64,
+    /// Whether it ends as well when little is left of what a step threw out of balance.
+    pub adr_follows: bool,
     /// Largest number of iterations of dynamic relaxation in a step.
     pub adr_iterations: usize,
-    /// Weight of the newest damping in dynamic relaxation.
+    /// What damps dynamic relaxation.
+    pub adr_damping: AdrDamping,
+    /// Weight of the newest local damping in dynamic relaxation.
     pub adr_smoothing: f64,
 }

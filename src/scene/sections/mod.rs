@@ -48,7 +48,7 @@ pub use materials::{
 pub use mechanics::{InitialStress, Interfaces, Mechanics, Motion, Support, TractionLoad};
 pub use output::{Output, Probe, Profile};
 pub use reference::{Reference, ReferenceKind};
-pub use scheme::{Acceleration, Scheme, SchemeName, SolidMethod};
+pub use scheme::{Acceleration, AdrDamping, Scheme, SchemeName, SchemeStart, SolidMethod};
 pub use sides::{Boundary, Side};
 pub use solver::Solver;
 pub use start::{Start, StartClock, StartDisplacement};

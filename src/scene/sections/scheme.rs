@@ -30,13 +30,19 @@ pub struct Scheme {
     pub single_pass: bool,
     /// How the explicit and the semi-implicit scheme move the solid.
     pub solid: SolidMethod,
-    /// Relative imbalance of forces at which dynamic relaxation ends.
+    /// How the explicit and the semi-implicit scheme with `[coupling]` find the equilibrium they start from: `assembled` if
+    /// absent, in three dimensions `relaxed`.
+    pub start: Option<SchemeStart>,
+    /// Relative imbalance of forces at which dynamic relaxation ends. If absent, 1e-6; in the steps of the explicit
+    /// scheme with `[coupling]` it ends as well when little is left of what the step itself threw out of balance.
     #[schemars(transform = within(&ADR_TOLERANCE))]
-    pub adr_tolerance: Number,
+    pub adr_tolerance: Option<Number>,
     /// The step fails beyond this many iterations of dynamic relaxation.
     #[schemars(transform = within(&ADR_ITERATIONS))]
     pub adr_iterations: Spanned<u64>,
-    /// Weight of the newest damping in dynamic relaxation.
+    /// What damps dynamic relaxation.
+    pub adr_damping: AdrDamping,
+    /// Weight of the newest damping in dynamic relaxation with `adr_damping = "local"`.
     #[schemars(transform = within(&ADR_SMOOTHING))]
     pub adr_smoothing: Number,
 }
@@ -97,8 +103,10 @@ impl Default for Scheme {
             coupling_iterations: Spanned::nowhere(100),
             single_pass: false,
             solid: SolidMethod::default(),
-            adr_tolerance: Number::si(1e-6),
+            start: None,
+            adr_tolerance: None,
             adr_iterations: Spanned::nowhere(100_000),
+            adr_damping: AdrDamping::default(),
             adr_smoothing: Number::si(0.5),
         }
     }
@@ -157,8 +165,30 @@ pub enum SolidMethod {
     Switched,
     /// Adaptive dynamic relaxation.
     Adr,
-    /// A single step of velocity Verlet from rest, whatever the balance of forces.
+    /// A single step of velocity Verlet, whatever the balance of forces: in explicit steps with `[coupling]` with the
+    /// velocities of the last one and the mass that makes it stable (Algorithm 1), elsewhere from rest.
     Verlet,
+}
+
+/// Ways to the equilibrium that an explicit run starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SchemeStart {
+    /// By a matrix that is assembled and factored once, and then forgotten.
+    Assembled,
+    /// Without any matrix, by dynamic relaxation.
+    Relaxed,
+}
+
+/// What damps dynamic relaxation.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum AdrDamping {
+    /// Critical for the mode that moves, by the Rayleigh quotient of the last step, at all points alike.
+    #[default]
+    Global,
+    /// Critical for the stiffness that the last step showed at each point (Eqs. 65 to 68), as printed.
+    Local,
 }
 
 impl Section for Scheme {
@@ -168,7 +198,9 @@ impl Section for Scheme {
         RELAXATION.check(self.relaxation, report);
         COUPLING_TOLERANCE.check(self.coupling_tolerance, report);
         COUPLING_ITERATIONS.check_count(self.coupling_iterations, report);
-        ADR_TOLERANCE.check(self.adr_tolerance, report);
+        if let Some(tolerance) = self.adr_tolerance {
+            ADR_TOLERANCE.check(tolerance, report);
+        }
         ADR_ITERATIONS.check_count(self.adr_iterations, report);
         ADR_SMOOTHING.check(self.adr_smoothing, report);
     }

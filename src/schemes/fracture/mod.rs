@@ -82,7 +82,8 @@ impl<const D: usize> Fracture<D> {
         let problem = Problem {
             // Cracks leave next to nothing of the stiffness.
             contrast: 1.0 / plan.residual_stiffness,
-            ..mechanics_problem(solid, &coordinates, demand.solves)
+            solves: demand.solves,
+            ..mechanics_problem(solid, solid.matrix(), &coordinates)
         };
         let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
         Ok(Fracture {

@@ -176,7 +176,7 @@ fn other_word(scene: &mut Table, path: &[Step], bases: &[Table], random: &mut Ra
 }
 
 /// Choices that bundled scenes hardly make.
-const CHOICES: [(&str, &str, &[&str]); 21] = [
+const CHOICES: [(&str, &str, &[&str]); 23] = [
     (
         "scheme",
         "name",
@@ -189,6 +189,8 @@ const CHOICES: [(&str, &str, &[&str]); 21] = [
         ],
     ),
     ("scheme", "solid", &["switched", "adr", "verlet"]),
+    ("scheme", "start", &["assembled", "relaxed"]),
+    ("scheme", "adr_damping", &["global", "local"]),
     ("scheme", "acceleration", &["anderson", "aitken", "none"]),
     ("mechanics", "mode", &["dynamic", "quasi-static"]),
     (
