@@ -174,6 +174,19 @@ pub enum ModelError {
         /// Position, m.
         at: Vec<f64>,
     },
+    /// An in-situ stress that breaks the rock.
+    #[error(
+        "the initial effective stress pulls with {tension:.4e} Pa at {at:?}, and the rock breaks at {strength:.4e} Pa: it \
+         would be broken before anything happens; compression is negative"
+    )]
+    BrokenAtRest {
+        /// Largest principal effective stress, Pa.
+        tension: f64,
+        /// Strength there, Pa.
+        strength: f64,
+        /// Position, m.
+        at: Vec<f64>,
+    },
     /// A traction that is not that of the in-situ stress.
     #[error(
         "the initial total stress exerts the traction {stress:?} Pa on side {side} at {at:?}, but \

@@ -24,6 +24,15 @@ error: there is no bundled case "chanel"; did you mean channel?
             ..FAULT
         },
         Fault {
+            name: "a misspelt variant to write",
+            arguments: &["cases", "--write", "penny-3d/smoek"],
+            code: 2,
+            stderr: r#"
+error: the case penny-3d has no variant "smoek"; did you mean smoke?
+"#,
+            ..FAULT
+        },
+        Fault {
             name: "a case that is there already",
             files: &[("channel/scene.toml", b"mine")],
             arguments: &["cases", "--write", "channel"],

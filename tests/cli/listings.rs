@@ -68,6 +68,19 @@ fn every_variant_of_a_bundled_case_is_sound() {
 }
 
 #[test]
+fn a_variant_that_was_written_into_a_folder_is_sound_there() {
+    let place = Place::new();
+    let written = place.succeed(&["cases", "--write", "kgd-leak-off/smoke", "own/crack"]);
+    assert!(
+        written.contains("perifrac run own/crack/smoke.toml"),
+        "{written}"
+    );
+    let files = ["README.md", "scene.toml", "smoke.toml"];
+    assert_eq!(place.list("own/crack"), files);
+    place.succeed(&["check", "own/crack/smoke.toml"]);
+}
+
+#[test]
 fn a_case_that_was_written_runs_from_its_file() {
     let place = Place::new();
     let written = place.succeed(&["cases", "--write", "channel"]);

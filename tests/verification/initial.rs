@@ -327,10 +327,8 @@ plots = false
     assert!(jumps.iter().all(|jump| jump[0] > 0.0));
 }
 
-/// Damage under an in-situ stress has nothing to do, and as little without any other force.
-#[test]
-fn stressed_rock_that_may_break_is_at_rest() {
-    let text = r#"title = "Breakable"
+/// Rock that bears 1 MPa or so, alone.
+const BREAKABLE: &str = r#"title = "Breakable"
 [geometry]
 type = "lattice"
 size = [1, 1]
@@ -352,10 +350,32 @@ step = 0.1
 [output]
 plots = false
 "#;
+
+/// Damage under an in-situ stress has nothing to do, and as little without any other force.
+#[test]
+fn stressed_rock_that_may_break_is_at_rest() {
     for scheme in ["implicit", "explicit"] {
-        let (_, state) = run_text(text, &[&format!("scheme.name={scheme}")]);
+        let (_, state) = run_text(BREAKABLE, &[&format!("scheme.name={scheme}")]);
         let moved = most(&state.displacement);
         println!("{scheme}: {moved:.1e}");
         assert!(moved < 1e-12 * 1e-3, "{scheme}: {moved:.1e}");
     }
+}
+
+/// A compression of 10 MPa that was typed with the wrong sign.
+#[test]
+fn a_tension_that_breaks_the_rock_is_refused_with_its_strength() {
+    let told = message(
+        BREAKABLE,
+        &["initial.stress={xx = \"10 MPa\", yy = \"-12 MPa\"}"],
+    );
+    assert!(
+        told.contains("would be broken before anything happens") && told.contains("1.0000e7"),
+        "{told}"
+    );
+    // Below the strength it may pull.
+    run_text(
+        BREAKABLE,
+        &["initial.stress={xx = \"0.5 MPa\", yy = \"-12 MPa\"}"],
+    );
 }

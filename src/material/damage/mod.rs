@@ -97,6 +97,17 @@ pub struct DamageLaw {
     pub hourglass: HourglassRule,
 }
 
+impl DamageLaw {
+    /// Driving energy at which a bar of strength `toughness` carries most, J/m³: the largest √Y g(s(Y)).
+    pub fn peak_driving(&self, toughness: f64) -> f64 {
+        toughness
+            * match self.exponent {
+                Exponent::Two => 1.0 / 3.0,
+                Exponent::ThreeHalves => 0.451,
+            }
+    }
+}
+
 /// What a point is, and what it has been through.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointState<const D: usize> {

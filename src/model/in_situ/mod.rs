@@ -8,6 +8,7 @@ mod balance;
 mod field;
 mod overburden;
 mod sides;
+mod strength;
 
 pub(super) use field::InSitu;
 
@@ -24,7 +25,8 @@ const PARTS: [&str; 3] = ["traction", "body-force", "weight"];
 /// Checks the in-situ state of a model and balances it.
 ///
 /// # Errors
-/// [`ModelError::UnbalancedStress`] if it is not in equilibrium inside, [`ModelError::InitialTraction`] and
+/// [`ModelError::UnbalancedStress`] if it is not in equilibrium inside, [`ModelError::BrokenAtRest`] if rock does not
+/// bear it, [`ModelError::InitialTraction`] and
 /// [`ModelError::InitialPlate`] if not with what is prescribed on a side.
 pub(super) fn balance<const D: usize>(
     plan: &Plan,
@@ -32,6 +34,7 @@ pub(super) fn balance<const D: usize>(
     model: &mut Model<D>,
 ) -> Result<(), ModelError> {
     balance::check(plan, state)?;
+    strength::check(model)?;
     let Some(solid) = &model.solid else {
         return Ok(());
     };
