@@ -53,6 +53,8 @@ FORMS = {
     "kgd-leak-off": "kgd-leak-off/smoke",
     "breakdown": "breakdown/smoke",
     "inclined-injection": "inclined-injection/smoke",
+    "two-cracks": "two-cracks/smoke",
+    "wing-cracks": "wing-cracks/smoke",
     "staged-injection": "staged-injection --set geometry.spacing=0.08",
     "penny-3d": "penny-3d/smoke",
     "manufactured": "manufactured",
