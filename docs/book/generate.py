@@ -53,7 +53,7 @@ FORMS = {
     "kgd-leak-off": "kgd-leak-off/smoke",
     "breakdown": "breakdown/smoke",
     "inclined-injection": "inclined-injection/smoke",
-    "two-cracks": "two-cracks/smoke",
+    "two-cracks": "two-cracks/smoke --set time.end=0.3",
     "wing-cracks": "wing-cracks/smoke",
     "staged-injection": "staged-injection --set geometry.spacing=0.08",
     "penny-3d": "penny-3d/smoke",

@@ -1,6 +1,7 @@
 """Stopping, going on, and what happens meanwhile."""
 
 import _thread
+import signal
 import threading
 import time
 
@@ -88,7 +89,15 @@ def test_other_threads_go_on_while_a_step_is_computed(square):
     assert seen > 0.2 * wall / 0.0015, (seen, wall)
 
 
-def test_ctrl_c_keeps_the_state_and_the_run_goes_on(tmp_path, square):
+@pytest.fixture
+def interrupts():
+    """Ctrl-C as in a terminal: in the background of a shell it is ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_keeps_the_state_and_the_run_goes_on(tmp_path, square, interrupts):
     scene = pf.Scene(square).changed(MANY)
     simulation = pf.Simulation(scene, out=tmp_path / "run")
     simulation.step()

@@ -5,7 +5,7 @@ use perifrac_solvers::magnitude;
 use super::{FlowModel, SolidModel};
 use crate::operators::diagonal;
 
-/// Σ|K_ij| of a row over its diagonal entry: 3.6 on a lattice of 20 neighbours, 5.2 in 3-D.
+/// Σ|K_ij| of a row over its diagonal entry, by its order of magnitude, which is all that a scale of rounding needs.
 const ROW: f64 = 4.0;
 
 impl<const D: usize> SolidModel<D> {

@@ -29,6 +29,56 @@ pub fn json_schema() -> serde_json::Value {
     schema
 }
 
+/// Where in a scene a key belongs: its paths of the fewest tables, such as `geometry.spacing`, with `NAME` for what the
+/// user names; none for an unknown key.
+pub(super) fn places_of(key: &str) -> Vec<String> {
+    let schema = json_schema();
+    let mut tables = vec![(String::new(), &schema)];
+    for _ in 0..DEEPEST {
+        let mut keys = Vec::new();
+        for (path, table) in tables {
+            add_keys(&schema, &path, table, &mut keys);
+        }
+        let own = |(path, _): &&(String, _)| path.rsplit('.').next() == Some(key);
+        let mut places: Vec<String> = keys.iter().filter(own).map(|(p, _)| p.clone()).collect();
+        if !places.is_empty() {
+            places.sort();
+            places.dedup();
+            return places;
+        }
+        let inner = |(path, table): (String, _)| (format!("{path}."), table);
+        tables = keys.into_iter().map(inner).collect();
+    }
+    Vec::new()
+}
+
+/// Tables within tables that a key is looked for in.
+const DEEPEST: usize = 3;
+
+/// Adds the keys of a table, with `path` before them, and what they hold, through references and alternatives. What the
+/// user names is no table of its own.
+fn add_keys<'a>(
+    schema: &'a serde_json::Value,
+    path: &str,
+    table: &'a serde_json::Value,
+    keys: &mut Vec<(String, &'a serde_json::Value)>,
+) {
+    if let Some(name) = table["$ref"].as_str() {
+        let name = name.trim_start_matches("#/definitions/");
+        add_keys(schema, path, &schema["definitions"][name], keys);
+    }
+    for list in ["oneOf", "anyOf", "allOf"] {
+        let choices = table[list].as_array().into_iter().flatten();
+        choices.for_each(|choice| add_keys(schema, path, choice, keys));
+    }
+    let own = table["properties"].as_object().into_iter().flatten();
+    keys.extend(own.map(|(name, inner)| (format!("{path}{name}"), inner)));
+    if table["additionalProperties"].is_object() {
+        let named = format!("{path}NAME.");
+        add_keys(schema, &named, &table["additionalProperties"], keys);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use serde_json::{Value, json};
@@ -79,6 +129,16 @@ mod tests {
         for name in ["title", "geometry", "materials", "time"] {
             assert!(required.contains(&json!(name)), "{required:?}");
         }
+    }
+
+    #[test]
+    fn keys_are_found_where_they_belong() {
+        assert_eq!(places_of("spacing"), ["geometry.spacing"]);
+        let both = ["fracture_flow.permeability", "materials.NAME.permeability"];
+        assert_eq!(places_of("permeability"), both);
+        assert_eq!(places_of("rate"), ["wells.NAME.rate"]);
+        assert_eq!(places_of("clamped").len(), 0, "four tables deep");
+        assert!(places_of("spacign").is_empty());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::de::{Error, Expected, Unexpected};
 
 use crate::scene::diagnostics::Diagnostic;
+use crate::scene::schema::places_of;
 use crate::scene::span::Span;
 use crate::scene::suggest::{closest, one_of};
 use crate::scene::tree::Step;
@@ -100,7 +101,17 @@ impl Error for ReadError {
     }
 
     fn unknown_field(found: &str, options: &'static [&'static str]) -> Self {
-        Self::new(unknown(&format!("unknown key `{found}`"), found, options))
+        let message = format!("unknown key `{found}`");
+        let near = closest(found, options.iter().copied()).is_some();
+        let places = match near {
+            true => Vec::new(),
+            false => places_of(found),
+        };
+        let places: Vec<&str> = places.iter().map(String::as_str).collect();
+        Self::new(match places.len() {
+            1..=MANY => Diagnostic::new(message).help(format!("it belongs to {}", one_of(&places))),
+            _ => unknown(&message, found, options),
+        })
     }
 
     fn missing_field(field: &'static str) -> Self {
@@ -115,6 +126,9 @@ impl Error for ReadError {
         Self::new(Diagnostic::new(format!("`{field}` is given twice")))
     }
 }
+
+/// Places of a key that are worth a list.
+const MANY: usize = 3;
 
 fn unknown(message: &str, found: &str, options: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::new(message);
