@@ -1,6 +1,6 @@
 //! How runs without linear systems start: from an equilibrium that one factor finds, or that relaxation finds.
 
-use perifrac_solvers::Demand;
+use perifrac_solvers::{Demand, SolverSpec};
 
 use super::solid::{Assembled, SolidSolver};
 use super::undrained::undrained;
@@ -23,7 +23,11 @@ impl ExplicitStart {
         let whole = model.subdomain().partition().is_none();
         let assembled = plan.scheme_options.start == SchemeStart::Assembled;
         ExplicitStart {
-            demand: (whole && assembled).then(|| plan.solid_demand()),
+            // The solver that is typed is for the systems of the steps, and need not take this one.
+            demand: (whole && assembled).then(|| Demand {
+                spec: SolverSpec::default(),
+                solves: plan.solid_demand().solves,
+            }),
             options: plan.scheme_options,
             counters: SchemeCounters::default(),
         }
