@@ -154,9 +154,8 @@ fn wings(half: f64, length: f64) -> (f64, [f64; 2]) {
             [sin * cos, cos * cos]
         };
         let traction: Vec<[f64; 2]> = all.iter().map(traction).collect();
-        let first = all[grown..grown + 28].iter().map(|_| true);
         let mut shut = vec![false; all.len()];
-        shut[grown..grown + 28].copy_from_slice(&first.collect::<Vec<_>>());
+        shut[grown..grown + 28].fill(true);
         let mut shift = shifts(&all, &traction, &shut);
         // Faces of wings must not overlap either.
         while let Some(piece) = (0..all.len()).find(|i| !shut[*i] && shift[2 * i + 1] > 0.0) {
