@@ -208,7 +208,7 @@ impl<const D: usize> SolidModel<D> {
     /// K over unknowns as a matrix of its own, N/m; for a model that holds none.
     ///
     /// # Errors
-    /// [`PatternError`] beyond 32-bit indices.
+    /// A pattern beyond 32-bit indices.
     pub fn assembled(&self) -> Result<CsrMatrix, PatternError> {
         let points = Pattern::of_families(&self.elastic.around.families, |_| true)?;
         let mut stiffness = points.expanded(D)?.into_matrix();
