@@ -4,7 +4,8 @@ use super::{Reason, reason};
 use crate::geometry::Side;
 use crate::model::{Form, LAYERED, Sample};
 use crate::plan::{
-    CrackKind, CrackPlan, DamageModel, Load, MechanicsPlan, Normalise, Plan, Support,
+    CrackKind, CrackPlan, DamageModel, FractureFlowPlan, Load, MechanicsPlan, Normalise, Plan,
+    Support,
 };
 
 /// Effects of the plan and what in the scene calls for them.
@@ -126,15 +127,28 @@ fn damage(plan: &Plan) -> Option<Reason> {
     Some(reason("damage", why))
 }
 
+/// What cracks that hold what they open by conduct and hold.
+fn in_split_cracks(flow: &FractureFlowPlan) -> String {
+    let boils = match flow.cavitation_pressure.is_finite() {
+        true => format!("fluid boils at {} Pa", flow.cavitation_pressure),
+        false => "fluid never boils".to_owned(),
+    };
+    format!("residual aperture {:e} m, {boils}", flow.residual_aperture)
+}
+
 /// Flow in what is broken, and fluid that is pumped into it.
 fn fracture_flow(plan: &Plan) -> Vec<Reason> {
     let flow = plan.fracture_flow.as_ref().map(|flow| {
-        let rules = (flow.aperture.name(), flow.transmissivity.name());
-        let why = format!(
-            "[fracture_flow] is there, aperture {}, transmissivity {}",
-            rules.0, rules.1
-        );
-        reason("fracture-flow", why)
+        let split = (plan.damage).is_some_and(|damage| damage.model == DamageModel::Split);
+        let how = match split {
+            true => in_split_cracks(flow),
+            false => format!(
+                "aperture {}, transmissivity {}",
+                flow.aperture.name(),
+                flow.transmissivity.name()
+            ),
+        };
+        reason("fracture-flow", format!("[fracture_flow] is there, {how}"))
     });
     let injected = names(plan, |crack| crack.injection.is_some());
     let injection =

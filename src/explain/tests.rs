@@ -408,6 +408,18 @@ fn cracks_are_told_by_kind_and_with_their_fluid() {
         Some("[fracture_flow] is there, aperture normal, transmissivity cubic")
     );
     assert_eq!(why("injection"), Some("there is an injection into b"));
+    let boils = |set: &[&str]| {
+        let plan = plan_of(&light, &[BREAKING, sets, &["damage={}"], set].concat());
+        let told = effects::effects(&plan);
+        let found = told.iter().find(|effect| effect.name == "fracture-flow");
+        found.map(|effect| effect.why.clone()).unwrap()
+    };
+    let at =
+        |boils: &str| format!("[fracture_flow] is there, residual aperture 1e-5 m, fluid {boils}");
+    assert_eq!(boils(&[]), at("boils at 0 Pa"));
+    assert_eq!(boils(&["flow.suction=true"]), at("never boils"));
+    let limit = ["flow.suction=true", "fluid.cavitation_pressure=-90 kPa"];
+    assert_eq!(boils(&limit), at("boils at -90000 Pa"));
     let scheme = scheme::scheme(&plan);
     assert_eq!(scheme.name, "monolithic backward-euler");
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Model;
+use super::{Model, Voids};
 use crate::boundary::BoundaryPlane;
 use crate::effects::Opening;
 
@@ -29,6 +29,10 @@ pub struct Coefficients {
     pub opening: Vec<Opening>,
     /// What the pores of points in cracks hold for good, m^D; empty in the model of the paper.
     pub pores: Vec<f64>,
+    /// Pressure in those pores, which stays, Pa; likewise.
+    pub sealed: Vec<f64>,
+    /// Volume without fluid of the points of cracks that hold any, m^D.
+    pub voids: Voids,
     /// Values of L that belong to the mobility; filled anew where they are absent, as after a restart.
     #[serde(skip)]
     conductance: Vec<f64>,
@@ -51,16 +55,21 @@ impl PartialEq for Coefficients {
             } = own.clone();
             [permeability, mobility, capacity, biot, aperture]
         };
-        let cracks =
-            self.donor == other.donor && self.opening == other.opening && self.pores == other.pores;
-        cracks && fields(self) == fields(other)
+        let cracks = |own: &Self, other: &Self| {
+            let sealed = own.pores == other.pores && own.sealed == other.sealed;
+            own.donor == other.donor
+                && own.opening == other.opening
+                && own.voids == other.voids
+                && sealed
+        };
+        cracks(self, other) && fields(self) == fields(other)
     }
 }
 
 impl Coefficients {
     /// Bytes of the fields.
     pub fn bytes(&self) -> usize {
-        8 * (5 * self.permeability.len() + 2 * self.opening.len() + self.pores.len())
+        8 * (5 * self.permeability.len() + 2 * self.opening.len() + 2 * self.pores.len())
             + 4 * self.donor.len()
     }
 }
@@ -74,6 +83,8 @@ impl<const D: usize> Model<D> {
             donor: cracks.map_or_else(Vec::new, |cracks| cracks.donor.clone()),
             opening: cracks.map_or_else(Vec::new, |cracks| cracks.opening.clone()),
             pores: cracks.map_or_else(Vec::new, |cracks| cracks.pores.clone()),
+            sealed: cracks.map_or_else(Vec::new, |cracks| cracks.sealed.clone()),
+            voids: cracks.map_or_else(Voids::new, |cracks| cracks.voids.clone()),
             permeability: self.permeability.clone(),
             mobility: flow.mobility.clone(),
             capacity: flow.capacity.clone(),
@@ -135,6 +146,8 @@ impl<const D: usize> Model<D> {
             cracks.donor.clone_from(&coefficients.donor);
             cracks.opening.clone_from(&coefficients.opening);
             cracks.pores.clone_from(&coefficients.pores);
+            cracks.voids.clone_from(&coefficients.voids);
+            cracks.sealed.clone_from(&coefficients.sealed);
         }
         if coefficients.conductance.is_empty() {
             flow.refill();

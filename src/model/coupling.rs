@@ -108,6 +108,10 @@ impl<const D: usize> Model<D> {
         if let (Some(coupling), Some(solid)) = (&self.coupling, &self.solid) {
             coupling.add_content(solid, displacement, walls, &mut content);
         }
+        // Pores in cracks are sealed.
+        for point in self.filled_points() {
+            content[point] = 0.0;
+        }
         content
     }
 
@@ -132,7 +136,7 @@ impl<const D: usize> Model<D> {
         let mut force = vec![0.0; solid.unknowns()];
         solid.loads(time, &mut force);
         if let Some(coupling) = &self.coupling {
-            coupling.add_pressure_force(solid, pressure, &mut force);
+            coupling.add_pressure_force(solid, &self.pore_pressure(pressure), &mut force);
         }
         force
     }
@@ -149,7 +153,7 @@ impl<const D: usize> Model<D> {
         solid.loads(time, &mut loads);
         let mut push = vec![0.0; solid.unknowns()];
         if let Some(coupling) = &self.coupling {
-            coupling.add_pressure_force(solid, pressure, &mut push);
+            coupling.add_pressure_force(solid, &self.pore_pressure(pressure), &mut push);
         }
         let size = |force: &[f64]| force.iter().map(|f| f.abs()).sum::<f64>();
         let at_wall = |(wall, place): (&MovingWall, &f64)| -> f64 {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::cavitation::Voids;
 use super::coefficients::Coefficients;
 use super::diffusion::CrackBonds;
 use crate::effects::{Opening, openings};
@@ -23,8 +24,12 @@ pub struct CrackFlow<const D: usize> {
     pub donor: Vec<u32>,
     /// Opening and width of the band, shape `(n,)`.
     pub opening: Vec<Opening>,
-    /// What the pores of a point in a crack hold for good, m^D, shape `(n,)`; see [`CrackFlow::seal`].
+    /// What the pores of a point in a crack hold for good, m^D, shape `(n,)`; see [`Model::fill_broken`].
     pub pores: Vec<f64>,
+    /// Pressure in the pores of a point in a crack, which stays, Pa, shape `(n,)`; 0 elsewhere.
+    pub sealed: Vec<f64>,
+    /// Volume without fluid of the points of cracks that hold any, m^D.
+    pub voids: Voids,
     /// Hydraulic aperture of a closed crack, m.
     residual: f64,
     conduction: Arc<BondConductance<D>>,
@@ -34,22 +39,13 @@ pub struct CrackFlow<const D: usize> {
     extension: Arc<MirrorContinuation<D>>,
 }
 
-/// How points may become wet.
-#[derive(Debug, Clone, Copy)]
-pub struct Wetting<'a> {
-    /// Pressure at which the pores of a point close as it becomes wet, Pa: that of the start of a step.
-    pub before: &'a [f64],
-    /// Whether fluid only spreads: a point keeps the one whose pressure it feels until it is wet itself. Passes of a
-    /// step would otherwise hand a point from one to another for ever.
-    pub spreads: bool,
-}
-
-impl<'a> Wetting<'a> {
-    /// Anew at a pressure, Pa.
-    pub fn at(before: &'a [f64]) -> Self {
-        let spreads = false;
-        Wetting { before, spreads }
-    }
+/// How far the pressure of a crack may reach in a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spreading {
+    /// As far as the wet points lead.
+    Anew,
+    /// Beyond what has broken since the step began, too.
+    Further,
 }
 
 /// No point at all.
@@ -57,18 +53,13 @@ pub const DRY: u32 = u32::MAX;
 /// Damage from which a point conducts. Tip energy of a crack driven by fluid over G_c: 0.757, 0.794 and 0.784 for
 /// 0.02, 0.1 and 0.4 *(prototype)*.
 pub const WET: f64 = 0.1;
-/// Damage below which a point that has become wet in a pass is no part of the crack where the passes end. A first pass that
-/// leads far astray can wet all rock around, which then drinks all of the fluid while the crack stays closed
-/// (`kgd-leak-off` at 10 cm with the share of pores at 1e-3). At [`WET`] itself tips would be let go that fluid holds open:
-/// `kgd-toughness/smoke` then finds no end.
-const SOUND: f64 = 0.01;
 /// Cosine to the normal of a crack up to which a bond leads on along it.
 const ALONG: f64 = 0.3;
 /// Share of the storage of pores that a point in a crack keeps, so that a closed crack takes something up; without any
 /// the system of a closed crack is singular. `kgd-leak-off` at 10 cm in rock that lets nothing in and stores ten times
 /// as much keeps 0.705, 0.966, 0.9967 and 0.9997 of its fluid in the crack with 1e-2, 1e-3, 1e-4 and 1e-5; the passes of
 /// `kgd-toughness/smoke` are 173, 235, 260 and 246.
-const KEPT: f64 = 1e-4;
+pub(super) const KEPT: f64 = 1e-4;
 
 impl<const D: usize> CrackFlow<D> {
     /// Nothing broken yet.
@@ -79,6 +70,8 @@ impl<const D: usize> CrackFlow<D> {
             donor: vec![DRY; points],
             opening: vec![Opening::default(); points],
             pores: vec![0.0; points],
+            sealed: vec![0.0; points],
+            voids: Voids::new(),
             residual,
             conduction: Arc::new(BondConductance::new(around)),
             rock: Arc::new(rock),
@@ -91,50 +84,33 @@ impl<const D: usize> CrackFlow<D> {
         self.donor[point] == point as u32
     }
 
-    /// Brings the openings to a response, and the map of wet points if it may change. What was wet stays so: a point
-    /// that the fluid breaks only where it is not wet would have no state at all. Gives the points that became wet.
+    /// Brings the openings to a response, and where the pressure of the crack acts beside the wet points if that may
+    /// change: in what has broken since the step began and where it leads on. Fluid only spreads in a step: passes
+    /// would otherwise hand a point from one to another for ever.
     pub fn follow(
         &mut self,
         elastic: &Elastic<D>,
         response: &Response<D>,
-        wetting: Option<Wetting<'_>>,
-    ) -> Vec<usize> {
-        let wets = |(i, s): (usize, &f64)| self.is_wet(i) || wetting.is_some() && *s > WET;
-        let wet: Vec<bool> = response.damage.iter().enumerate().map(wets).collect();
+        spreading: Option<Spreading>,
+    ) {
+        let wet: Vec<bool> = (0..self.donor.len()).map(|i| self.is_wet(i)).collect();
         self.opening = openings(elastic, response, &wet);
-        let Some(Wetting { spreads, .. }) = wetting else {
-            return Vec::new();
-        };
-        let wetted = (0..wet.len()).filter(|i| wet[*i] && !self.is_wet(*i));
-        let wetted = wetted.collect();
-        let axes = axes(elastic, response, &wet);
-        let donor = |i: usize| match wet[i] {
-            true => i as u32,
-            false if spreads && self.donor[i] != DRY => self.donor[i],
-            false => continues(elastic, &axes, &wet, i),
+        let Some(spreading) = spreading else { return };
+        let keeps = spreading == Spreading::Further;
+        let fed = |i: usize| keeps && self.donor[i] != DRY && response.damage[i] > WET;
+        let filled: Vec<bool> = (0..wet.len()).map(|i| wet[i] || fed(i)).collect();
+        let axes = axes(elastic, response, &filled);
+        let donor = |i: usize| match wet[i] || keeps && self.donor[i] != DRY {
+            true => self.donor[i],
+            false => continues(elastic, &axes, (&self.donor, &filled), i),
         };
         self.donor = (0..wet.len()).into_par_iter().map(donor).collect();
-        wetted
     }
 
-    /// Points that are wet here and not `before`, but broken too little for it by the `damage` of a state.
-    pub fn strays(&self, before: &Self, damage: &[f64]) -> usize {
-        let is_stray = |i: &usize| self.is_wet(*i) && !before.is_wet(*i) && damage[*i] < SOUND;
-        (0..damage.len()).filter(is_stray).count()
-    }
-
-    /// Closes the pores of points that have become wet, at their pressure (Pa) before: they hold what they held, and
-    /// their pressure is that in the crack from now on.
-    ///
-    /// A crack is a plane, but the fluid in it has the pressure of a band two horizons wide. Were the pores of the band
-    /// to fill with it, rock would take up at once what it takes up in the time that fluid needs through the band:
-    /// in `kgd-leak-off` at 10 cm nothing of what is pumped until 2 s would be in the crack instead of 0.53. So fluid
-    /// leaves the crack at the edge of the band alone.
-    pub fn seal(&mut self, wetted: &[usize], capacity: &mut [f64], pressure: &[f64]) {
-        for &i in wetted {
-            self.pores[i] += (1.0 - KEPT) * capacity[i] * pressure[i];
-            capacity[i] *= KEPT;
-        }
+    /// Points that are broken and hold no fluid of a crack yet.
+    pub fn broken(&self, damage: &[f64]) -> Vec<usize> {
+        let broken = |i: &usize| damage[*i] > WET && !self.is_wet(*i);
+        (0..damage.len()).filter(broken).collect()
     }
 
     /// Takes over the fluid of another run: where it is, what it opens, and what closed pores hold.
@@ -142,6 +118,8 @@ impl<const D: usize> CrackFlow<D> {
         self.donor.clone_from(&then.donor);
         self.opening.clone_from(&then.opening);
         self.pores.clone_from(&then.pores);
+        self.voids.clone_from(&then.voids);
+        self.sealed.clone_from(&then.sealed);
         let wet = (0..capacity.len()).filter(|i| self.is_wet(*i));
         wet.for_each(|i| capacity[i] *= KEPT);
     }
@@ -153,12 +131,12 @@ impl<const D: usize> CrackFlow<D> {
     }
 
     /// The pressures that enter the traction on the crack at a point with Biot's coefficient `biot`, with their factors
-    /// β: 1 for that in the crack, −α for that in the pores; none where there is no fluid in the crack, and rock breaks by
-    /// its effective stress.
+    /// β: 1 for that in the crack, −α for that in the pores unless they are sealed; none where there is no fluid in the
+    /// crack, and rock breaks by its effective stress.
     pub fn pressing(&self, point: usize, biot: f64) -> impl Iterator<Item = (usize, f64)> + use<D> {
         let pair = match self.donor[point] {
             DRY => [None; 2],
-            donor if donor as usize == point => [Some((point, 1.0 - biot)), None],
+            donor if donor as usize == point => [Some((point, 1.0)), None],
             donor => [Some((point, -biot)), Some((donor as usize, 1.0))],
         };
         pair.into_iter().flatten()
@@ -196,7 +174,7 @@ impl<const D: usize> CrackFlow<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        (4 + 8 + size_of::<Opening>()) * self.donor.len()
+        (4 + 2 * 8 + size_of::<Opening>()) * self.donor.len()
             + 8 * self.rock.len()
             + BondForm::bytes(&*self.conduction)
     }
@@ -235,25 +213,25 @@ fn axes<const D: usize>(
     (0..wet.len()).into_par_iter().map(axis).collect()
 }
 
-/// The nearest wet point whose crack leads on to a dry one, or [`DRY`].
+/// The wet point that fills the nearest one whose crack leads on to a dry one, or [`DRY`].
 fn continues<const D: usize>(
     elastic: &Elastic<D>,
     axes: &[Vector<D>],
-    wet: &[bool],
+    (donor, filled): (&[u32], &[bool]),
     point: usize,
 ) -> u32 {
     let around = &elastic.around;
     let families = &around.families;
     let leads = |bond: usize| {
         let end = families.neighbour(bond);
-        if !wet[end] || end == point {
+        if !filled[end] || end == point {
             return None;
         }
         let image = families.images.get(families.image(bond));
         let normal = image.reflect(&axes[end]);
         let arm = around.bond_vector(point, bond);
         let (length, off) = (arm.norm(), arm.dot(&normal).abs());
-        (off <= ALONG * length).then_some((length, off, end as u32))
+        (off <= ALONG * length).then_some((length, off, donor[end]))
     };
     let nearest = families.family(point).filter_map(leads);
     let nearest = nearest.min_by(|one, other| {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::crack_flow::{CrackFlow, WET, Wetting};
+use super::crack_flow::{CrackFlow, Spreading, WET};
 use super::{Coupling, FlowModel, Model, SolidModel};
 use crate::effects::aperture;
 use crate::operators::Response;
@@ -147,17 +147,14 @@ impl<const D: usize> FractureFlow<D> {
     fn fill_cracks(
         &mut self,
         solid: &SolidModel<D>,
-        (response, wetting): (&Response<D>, Option<Wetting<'_>>),
+        (response, spreading): (&Response<D>, Option<Spreading>),
         flow: &mut FlowModel<D>,
         permeability: &mut [f64],
     ) {
         let Some(cracks) = &mut self.cracks else {
             return;
         };
-        let wetted = cracks.follow(&solid.elastic, response, wetting);
-        if let Some(Wetting { before, .. }) = wetting {
-            cracks.seal(&wetted, &mut flow.capacity, before);
-        }
+        cracks.follow(&solid.elastic, response, spreading);
         let evaluated = (0..flow.points()).filter(|i| cracks.is_wet(*i)).count();
         self.evaluations
             .fetch_add(evaluated as u64, Ordering::Relaxed);
@@ -187,23 +184,23 @@ impl<const D: usize> Model<D> {
         &mut self,
         response: &Response<D>,
         (displacement, walls): (&[f64], &[f64]),
-        wetting: Wetting<'_>,
+        spreading: Spreading,
     ) {
         let timers = self.timers.clone();
         let mix = || match self.has_crack_content() {
-            true => self.fill_cracks(response, Some(wetting)),
+            true => self.fill_cracks(response, Some(spreading)),
             false => self.mix_fractures(response, displacement, walls),
         };
         timers.time("flow", mix);
     }
 
-    /// Brings what cracks conduct to the openings of a state, in the split model: no point becomes wet by it.
+    /// Brings what cracks conduct to the openings of a state, in the split model; their pressure acts where it did.
     pub fn follow_openings(&mut self, response: &Response<D>) {
         let timers = self.timers.clone();
         timers.time("flow", || self.fill_cracks(response, None));
     }
 
-    fn fill_cracks(&mut self, response: &Response<D>, wetting: Option<Wetting<'_>>) {
+    fn fill_cracks(&mut self, response: &Response<D>, spreading: Option<Spreading>) {
         let Model {
             fracture_flow: Some(fracture),
             flow: Some(flow),
@@ -214,7 +211,7 @@ impl<const D: usize> Model<D> {
         else {
             return;
         };
-        fracture.fill_cracks(solid, (response, wetting), flow, permeability);
+        fracture.fill_cracks(solid, (response, spreading), flow, permeability);
     }
 
     fn mix_fractures(&mut self, response: &Response<D>, displacement: &[f64], walls: &[f64]) {

@@ -2,6 +2,7 @@
 
 mod bands;
 mod between;
+mod cavitation;
 mod cloud;
 mod coefficients;
 mod coupling;
@@ -11,6 +12,7 @@ mod darcy;
 mod diffusion;
 mod disc;
 mod error;
+mod filling;
 mod fit;
 mod fixed;
 mod flow;
@@ -36,12 +38,14 @@ use std::sync::Arc;
 use perifrac_solvers::Communicator;
 
 pub use bands::Bands;
+pub use cavitation::Voids;
 pub use cloud::{build_cloud, build_families};
 pub use coefficients::Coefficients;
 pub use coupling::{Audit, Coupling};
-pub use crack_flow::{CrackFlow, DRY, Wetting};
+pub use crack_flow::{CrackFlow, DRY, Spreading};
 pub use disc::Disc;
 pub use error::ModelError;
+pub use filling::Filling;
 pub use fixed::FixedPressure;
 pub use flow::{FlowModel, exchange};
 pub use fracture_flow::FractureFlow;

@@ -62,9 +62,10 @@ impl<const D: usize> Model<D> {
         let biot = |i: usize| coupling.divergence.weight[i] / self.cloud.volume[i];
         let added = |i: usize| -> f64 {
             let pressing = cracks.pressing(i, biot(i));
-            pressing
+            let pressed: f64 = pressing
                 .map(|(point, factor)| factor * pressure[point])
-                .sum()
+                .sum();
+            pressed - biot(i) * cracks.sealed[i]
         };
         (0..pressure.len()).map(added).collect()
     }
@@ -83,6 +84,9 @@ impl<const D: usize> Model<D> {
             for (point, factor) in cracks.pressing(i, biot) {
                 content[point] += factor * volume * plane.opening;
             }
+        }
+        for (point, void) in &cracks.voids {
+            content[*point as usize] -= void;
         }
         content
     }
@@ -113,7 +117,7 @@ impl<const D: usize> Model<D> {
         }
     }
 
-    /// Fluid in cracks, m^D: the opening of all points in which the pressure of a crack acts.
+    /// Fluid in cracks, m^D: the opening of all points in which the pressure of a crack acts, less the voids in it.
     pub fn crack_volume(&self, response: &Response<D>) -> f64 {
         let Some(cracks) = self.cracks() else {
             return 0.0;
@@ -122,7 +126,8 @@ impl<const D: usize> Model<D> {
         let wet = planes
             .zip(&cracks.donor)
             .filter(|(_, donor)| **donor != DRY);
-        wet.map(|((plane, volume), _)| plane.opening * volume).sum()
+        let open: f64 = wet.map(|((plane, volume), _)| plane.opening * volume).sum();
+        open - cracks.void_volume()
     }
 
     /// Whether cracks hold fluid of their own, so that what a state holds does not follow from increments.

@@ -36,6 +36,8 @@ pub struct Fractures {
     pub aperture: Option<f64>,
     /// Fluid in cracks, m³ (per metre of thickness as the plan has it); with flow in fractures in the split model.
     pub volume: Option<f64>,
+    /// Voids in them, m³; likewise.
+    pub voids: Option<f64>,
 }
 
 impl Fractures {
@@ -67,6 +69,7 @@ impl Fractures {
         let largest = |openings: &[f64]| openings.iter().copied().fold(0.0, f64::max);
         Some(Fractures {
             volume: volume.map(|volume| plan.thickness * volume),
+            voids: (model.cracks()).map(|cracks| plan.thickness * cracks.void_volume()),
             aperture: model.fracture_flow.as_ref().map(|f| largest(&f.aperture)),
             crack_length: length,
             dissipated: plan.thickness * damage.dissipated(&model.cloud.volume, &state.history),
@@ -116,6 +119,7 @@ pub(super) fn names<const D: usize>(plan: &Plan, mechanics: &MechanicsPlan) -> V
             .is_some_and(|damage| damage.model == DamageModel::Split)
         {
             names.push("crack_volume_m3".to_owned());
+            names.push("crack_void_m3".to_owned());
         }
     }
     names
@@ -128,6 +132,7 @@ pub(super) fn row(fractures: &Fractures) -> Vec<f64> {
     row.extend([fractures.crack_length, fractures.dissipated]);
     row.extend(fractures.aperture);
     row.extend(fractures.volume);
+    row.extend(fractures.voids);
     row
 }
 
@@ -170,6 +175,9 @@ pub struct Results {
     /// Fluid in cracks at the end, m³.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crack_volume: Option<f64>,
+    /// Volume of cracks that fluid has not filled yet, m³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub void_volume: Option<f64>,
     /// Fluid that was pumped in and is not in cracks, m³: what leaked into the pores and compressed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leaked_volume: Option<f64>,
@@ -213,6 +221,7 @@ impl CrackTracker {
         }
         self.results.dissipated_energy = now.dissipated;
         self.results.crack_volume = now.volume;
+        self.results.void_volume = now.voids;
         self.results.crack_length = now.crack_length;
         if !broke.is_empty() && !first && self.results.onset_pressure.is_none() {
             let places: Vec<Vector<D>> = broke.iter().map(|i| model.cloud.position[*i]).collect();

@@ -118,6 +118,7 @@ pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<Name, Name> {
         ("results.onset_pressure", "Pa"),
         ("results.peak_injection_pressure", "Pa"),
         ("results.crack_volume", "m^3"),
+        ("results.void_volume", "m^3"),
         ("results.leaked_volume", "m^3"),
         ("balance.energy", "J"),
         ("balance.potential", "J"),

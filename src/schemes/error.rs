@@ -180,16 +180,19 @@ pub enum StepError {
         /// Growth that is allowed.
         most: f64,
     },
-    /// Fluid in cracks spreads to points that then do not break, again and again.
+    /// Fluid in a crack would boil where the scheme knows no voids.
     #[error(
-        "fluid in cracks spreads in the step to t = {time:.6e} s to {points} points that do not break with it; take smaller \
-         steps, or raise damage.iterations"
+        "the pressure in a crack falls to {pressure:.3e} Pa in the step to t = {time:.6e} s, below \
+         fluid.cavitation_pressure = {limit:.3e} Pa: fluid boils there and lags behind the tip; --scheme monolithic and \
+         staggered follow it; set flow.suction = true where pressures count from another zero"
     )]
-    Strays {
+    Boils {
         /// Time, s.
         time: f64,
-        /// Number of such points.
-        points: usize,
+        /// Lowest pressure in cracks, Pa.
+        pressure: f64,
+        /// Pressure at which the fluid boils, Pa.
+        limit: f64,
     },
     /// Relaxation ran out of iterations.
     #[error(
@@ -354,7 +357,7 @@ impl StepError {
             StepError::Runs { .. } => Rejection::Growth,
             StepError::NotBroken { .. }
             | StepError::Owed { .. }
-            | StepError::Strays { .. }
+            | StepError::Boils { .. }
             | StepError::CouplingDiverged { .. }
             | StepError::CouplingUnstable { .. }
             | StepError::FractureUnstable { .. } => Rejection::Coupling,

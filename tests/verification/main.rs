@@ -14,6 +14,7 @@ mod dynamics;
 mod effects;
 mod estimates;
 mod five_spot;
+mod fluid_lag;
 mod fourier;
 mod gravity;
 mod incompressible;

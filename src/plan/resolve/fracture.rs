@@ -108,8 +108,12 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
     })
 }
 
-pub(super) fn fracture_flow(flow: &scene::FractureFlow) -> FractureFlowPlan {
-    FractureFlowPlan {
+pub(super) fn fracture_flow(scene: &scene::Scene) -> Option<FractureFlowPlan> {
+    let flow = scene.fracture_flow.as_deref()?;
+    let suction = scene.flow.as_ref().is_some_and(|flow| flow.suction);
+    let boils_at = if suction { f64::NEG_INFINITY } else { 0.0 };
+    let given = scene.fluid.as_ref().and_then(|own| own.cavitation_pressure);
+    Some(FractureFlowPlan {
         residual_aperture: flow.residual_aperture.value(),
         aperture: match flow.aperture {
             scene::Aperture::Normal => ApertureRule::Normal,
@@ -125,5 +129,6 @@ pub(super) fn fracture_flow(flow: &scene::FractureFlow) -> FractureFlowPlan {
         biot_coefficient: flow.biot_coefficient.value(),
         viscosity: flow.viscosity.map(|viscosity| viscosity.value()),
         permeability: flow.permeability.map(|permeability| permeability.value()),
-    }
+        cavitation_pressure: given.map_or(boils_at, |pressure| pressure.value()),
+    })
 }

@@ -147,7 +147,7 @@ impl Resolver<'_> {
             mechanics,
             coupling: scene.coupling.as_deref().map(mechanics::coupling),
             damage,
-            fracture_flow: scene.fracture_flow.as_deref().map(fracture::fracture_flow),
+            fracture_flow: fracture::fracture_flow(scene),
             gravity: scene.gravity.as_deref().map(flow::gravity),
             own_effects: Vec::new(),
             cracks: fracture::cracks(scene, thickness),

@@ -267,6 +267,7 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
         biot_coefficient: 1.0,
         viscosity: Some(2e-3),
         permeability: None,
+        cavitation_pressure: 0.0,
     };
     assert_eq!(plan.fracture_flow, Some(fracture_flow));
     let notch = CrackPlan {

@@ -91,6 +91,8 @@ pub struct FractureFlowPlan {
     pub viscosity: Option<f64>,
     /// Permeability of fractures, m², instead of that of their opening.
     pub permeability: Option<f64>,
+    /// Pressure at which fluid in cracks boils, Pa; −∞ where it never does.
+    pub cavitation_pressure: f64,
 }
 
 /// Ways to find the opening of a crack from bonds.

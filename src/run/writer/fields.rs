@@ -100,6 +100,9 @@ fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Arra
     }
     if let Some(fractures) = &model.fracture_flow {
         arrays.push(array("aperture", "m", 1, &fractures.aperture[..]));
+        if model.has_crack_content() {
+            arrays.push(array("crack_void", "m^D", 1, voids(model)));
+        }
     }
     if let Some(solid) = &model.solid {
         let fluid = model.fluid_traction(&state.pressure);
@@ -109,6 +112,15 @@ fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Arra
     arrays.push(array("volume", "m^D", 1, &model.cloud.volume[..]));
     arrays.push(array("material_id", "", 1, material));
     arrays
+}
+
+/// Volume without fluid in cracks per point, m^D.
+fn voids<const D: usize>(model: &Model<D>) -> Vec<f64> {
+    let mut dense = vec![0.0; model.cloud.len()];
+    for (point, void) in model.voids() {
+        dense[point as usize] = void;
+    }
+    dense
 }
 
 fn array<'a>(

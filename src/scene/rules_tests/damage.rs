@@ -281,6 +281,10 @@ fn keys_of_both_models_have_their_ranges() {
             "`friction` must lie between 0 and 10, found 11",
         ),
         (
+            "fluid.cavitation_pressure=0 Pa",
+            "`cavitation_pressure` holds in cracks of the split model",
+        ),
+        (
             "fracture_flow.residual_aperture=0",
             "`residual_aperture` must be positive",
         ),

@@ -51,7 +51,7 @@ impl FractureBlock {
         stiffness: &[f64],
         solid: &SolidModel<D>,
         flow: &FlowModel<D>,
-        coupling: &Coupling,
+        (coupling, cracks): (&Coupling, Option<&CrackFlow<D>>),
         a: f64,
     ) {
         let scale = self.layout.scale;
@@ -63,7 +63,11 @@ impl FractureBlock {
         let elastic = &solid.elastic;
         let families = &elastic.around.families;
         for owner in 0..elastic.points() {
-            let strength = -scale * coupling.divergence.weight[owner];
+            // Pores in cracks are sealed.
+            let strength = match cracks.is_some_and(|cracks| cracks.is_wet(owner)) {
+                true => continue,
+                false => -scale * coupling.divergence.weight[owner],
+            };
             for bond in families.family(owner) {
                 let (weight, sign) = (elastic.gradient.weight[bond], elastic.signs(bond));
                 for axis in 0..D {
@@ -162,6 +166,22 @@ impl FractureBlock {
             for &(column, other) in pressing {
                 let value = -square * yields * one * other;
                 self.add(row * width + width - 1, column * width + width - 1, value);
+            }
+        }
+    }
+
+    /// Cuts off the pressures of points, which stay as they are.
+    pub fn hold_pressures(&mut self, points: impl Iterator<Item = usize>) {
+        let width = self.layout.dimension + 1;
+        for row in points.map(|point| point * width + width - 1) {
+            let columns = self.matrix.indptr().outer_inds_sz(row);
+            for k in columns {
+                let column = self.matrix.indices()[k] as usize;
+                let mirrored = self.matrix.nnz_index(column, row).filter(|_| column != row);
+                if let Some(mirrored) = mirrored {
+                    self.matrix.data_mut()[k] = 0.0;
+                    self.matrix.data_mut()[mirrored.0] = 0.0;
+                }
             }
         }
     }

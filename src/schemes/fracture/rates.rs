@@ -18,7 +18,10 @@ impl Rates {
     ) -> Result<Option<f64>, StepError> {
         let (mut now, last) = (Rates::default(), &old.memory.rates);
         now.take(old, new, dt);
-        if has_wetted(model, old) {
+        // The pressure in the crack jumps where it takes in points, by an amount that does not depend on the length of
+        // the step: no error of the time, and no step is short enough for it.
+        let response = model.response(&new.view());
+        if response.is_some_and(|response| model.has_unfilled(&response)) {
             now.pressure.clear();
         }
         let start = &flow_of(model)?.initial;
@@ -60,20 +63,6 @@ impl Rates {
             false => Some(0.0),
         }
     }
-}
-
-/// Whether a crack has taken in points since a state. The pressure in the crack, and in those points, then jumps by
-/// an amount that does not depend on the length of the step: no error of the time, and no step is short enough for it.
-fn has_wetted<const D: usize>(model: &Model<D>, old: &State) -> bool {
-    let before = old.coefficients.as_ref().map(|own| &own.donor);
-    let is_new = |(i, (before, now)): (usize, (&u32, &u32))| *now as usize == i && before != now;
-    before.is_some_and(|before| {
-        before
-            .iter()
-            .zip(&model.wet_points())
-            .enumerate()
-            .any(is_new)
-    })
 }
 
 #[cfg(test)]

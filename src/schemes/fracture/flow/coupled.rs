@@ -11,7 +11,7 @@ use perifrac_solvers::norm2;
 use super::passes::{NEAR, PassMonitor};
 use super::{FractureFlowStep, StepStart, Trial};
 use crate::material::TangentKind;
-use crate::model::{Model, Wetting};
+use crate::model::{Model, Spreading, Voids};
 use crate::schemes::{State, StepError, StepReport, flow_of};
 
 /// Fluid out of balance, relative to what moves in the step, that counts as none.
@@ -27,9 +27,11 @@ struct Place<const D: usize> {
     at: Trial<D>,
     /// What points must still take up, m^D.
     mass: Vec<f64>,
+    /// Voids in cracks, m^D.
+    voids: Voids,
     /// Forces out of balance, relative to all forces.
     forces: f64,
-    /// Whether points have become wet, so that it does not compare with the place before.
+    /// Whether the pressure of cracks has come to act elsewhere, so that it does not compare with the place before.
     rewetted: bool,
     /// The larger of what is out of balance, forces and mass, over what is allowed.
     off: f64,
@@ -40,7 +42,6 @@ impl<const D: usize> FractureFlowStep<D> {
     /// start.
     pub(super) fn converge_coupled(
         &mut self,
-        origin: &Model<D>,
         model: &mut Model<D>,
         start: &StepStart<'_>,
         state: &mut State,
@@ -50,7 +51,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut watch = PassMonitor::new(0.0);
         let mut tried = TangentKind::Secant;
         let mut before: Option<(Vec<f64>, Place<D>)> = None;
-        self.spreads = false;
+        self.spreading = Spreading::Anew;
         for pass in 0..=self.plan.iterations {
             let mut here = self.place(model, start, state)?;
             // The exact tangent may have led astray.
@@ -65,11 +66,7 @@ impl<const D: usize> FractureFlowStep<D> {
             report.passes = pass;
             report.residual = Some(here.forces);
             if here.off <= 1.0 {
-                if !self.lets_go(origin, model, start, (state, &here.at.response))? {
-                    return Ok(());
-                }
-                tried = TangentKind::Secant;
-                continue;
+                return Ok(());
             }
             if start.dt > self.cut_above && self.runs(model, start.state, &here.at)? {
                 let (time, most) = (state.time, self.plan.largest_increment);
@@ -96,8 +93,9 @@ impl<const D: usize> FractureFlowStep<D> {
         &mut self,
         model: &mut Model<D>,
         start: &StepStart<'_>,
-        state: &State,
+        state: &mut State,
     ) -> Result<Place<D>, StepError> {
+        model.boil(&self.is_fixed, &mut state.pressure);
         let mut at = self.evaluate(model, state)?;
         let mut forces = self.imbalance(&at, state.time)?;
         let mut rewetted = false;
@@ -105,13 +103,11 @@ impl<const D: usize> FractureFlowStep<D> {
         if forces <= NEAR {
             let before = model.wet_points();
             let fields = (&state.displacement[..], &state.walls[..]);
-            let wetting = Wetting {
-                before: &start.state.pressure,
-                spreads: std::mem::replace(&mut self.spreads, true),
-            };
-            model.follow_fractures(&at.response, fields, wetting);
+            let spreading = std::mem::replace(&mut self.spreading, Spreading::Further);
+            model.follow_fractures(&at.response, fields, spreading);
             rewetted = before != model.wet_points();
-            if rewetted {
+            let boils = model.boil(&self.is_fixed, &mut state.pressure);
+            if rewetted || boils {
                 at = self.evaluate(model, state)?;
                 forces = self.imbalance(&at, state.time)?;
             }
@@ -119,12 +115,14 @@ impl<const D: usize> FractureFlowStep<D> {
             model.follow_openings(&at.response);
         }
         let (mass, taken) = self.mass_residual(model, start, state, &at.response)?;
+        let voids = model.voids();
         let moved = self.moved(model, start, state, taken)?;
         let mass_off = mass.iter().map(|m| m.abs()).sum::<f64>() / moved;
         let off = (forces / self.plan.tolerance).max(mass_off / BALANCED_MASS);
         Ok(Place {
             at,
             mass,
+            voids,
             forces,
             off,
             rewetted,
@@ -134,6 +132,7 @@ impl<const D: usize> FractureFlowStep<D> {
     /// A place that was left, with the coefficients that it had.
     fn return_to(&mut self, model: &mut Model<D>, place: Place<D>) -> Result<Place<D>, StepError> {
         model.follow_openings(&place.at.response);
+        model.set_voids(&place.voids);
         Ok(place)
     }
 

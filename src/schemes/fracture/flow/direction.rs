@@ -56,9 +56,11 @@ impl<const D: usize> FractureFlowStep<D> {
         };
         let tangent = &self.tangent;
         let fill = || {
-            block.fill(tangent.matrix.data(), solid, flow, coupling, dt);
+            let parts = (coupling, model.cracks());
+            block.fill(tangent.matrix.data(), solid, flow, parts, dt);
             if let Some(cracks) = model.cracks() {
                 block.add_cracks(solid, cracks, coupling, tangent, &at.response);
+                block.hold_pressures(model.void_points());
             }
         };
         model.timers.time("assembly", fill);

@@ -14,6 +14,7 @@
 //! displacement, as in a crack of prescribed pressure; elsewhere its step carries the compliance of the
 //! fractures, and the residual covers what it owes to the strain.
 
+mod balance;
 mod coupled;
 mod direction;
 mod passes;
@@ -31,7 +32,7 @@ use super::compliance::Compliance;
 use super::reuse::PreconditionerReuse;
 use super::tangent_policy::TangentPolicy;
 use super::tangents::TangentMatrix;
-use crate::model::{Model, Wetting};
+use crate::model::{Filling, Model, Spreading};
 use crate::operators::Response;
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
 use crate::schemes::memory::Rates;
@@ -67,10 +68,8 @@ pub struct FractureFlowStep<const D: usize> {
     cut_above: f64,
     /// Whether passes move pressure and displacement together, and do not bring the one to the other.
     together: bool,
-    /// Whether passes of this step have brought fluid into cracks, which only spreads from then on.
-    spreads: bool,
-    /// How often passes of this step let go of points that became wet on their way.
-    returns: usize,
+    /// How far the pressure of cracks may reach in the next pass.
+    spreading: Spreading,
     /// What fractures yield, where fields take turns.
     compliance: Compliance,
     /// Factor of that.
@@ -157,8 +156,7 @@ impl<const D: usize> FractureFlowStep<D> {
                 StepRule::Adaptive => damage.shortest_step,
             },
             together: together && model.has_crack_content(),
-            spreads: false,
-            returns: 0,
+            spreading: Spreading::Anew,
             compliance: Compliance::default(),
             relaxation: plan.scheme_options.relaxation,
             demand: plan.fracture_demand(),
@@ -177,24 +175,40 @@ impl<const D: usize> FractureFlowStep<D> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut now = model.clone();
         for _ in 0..=RETURNS {
-            let wet = now.wet_points();
             Fracture::new(&self.demand, &now, self.plan)?.equilibrate(&now, state)?;
             advance(&now, state);
-            let response = now
-                .response(&state.view())
-                .ok_or(StepError::Missing { part: "[damage]" })?;
-            let fields = (&state.displacement[..], &state.walls[..]);
-            let wetting = Wetting {
-                before: &state.pressure,
-                spreads: true,
-            };
-            now.follow_fractures(&response, fields, wetting);
-            if now.wet_points() == wet {
+            if !self.fill_broken(&mut now, state, false)? {
                 break;
             }
         }
         self.remember(&now, state);
         Ok(())
+    }
+
+    /// Gives what is broken in a state fluid of its own; true if there was anything, or the pressure of a crack acts
+    /// elsewhere.
+    fn fill_broken(
+        &mut self,
+        now: &mut Model<D>,
+        state: &mut State,
+        in_balance: bool,
+    ) -> Result<bool, StepError> {
+        let response = now
+            .response(&state.view())
+            .ok_or(StepError::Missing { part: "[damage]" })?;
+        let before = now.wet_points();
+        if !in_balance {
+            let fields = (&state.displacement[..], &state.walls[..]);
+            now.follow_fractures(&response, fields, Spreading::Anew);
+        }
+        let filling = Filling {
+            displacement: &state.displacement,
+            walls: &state.walls,
+            pressure: &mut state.pressure,
+            in_balance,
+        };
+        now.fill_broken(&response, &self.is_fixed, filling);
+        Ok(now.wet_points() != before)
     }
 
     /// Enters into a state the coefficients of the model that belongs to it, and what the next step needs.
@@ -252,11 +266,14 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         if !coupling_of(model)?.undrained_start && !model.has_fluid_in_cracks() {
             return self.start_drained(model, state);
         }
+        let mut model = model.clone();
+        self.fill_broken(&mut model, state, false)?;
         let old = state.clone();
         let report = &mut StepReport::default();
-        let start = StepStart::new(model, &old, 0.0);
-        let now = self.solve(model, &start, state, report)?;
+        let start = StepStart::new(&model, &old, 0.0);
+        let mut now = self.solve(&model, &start, state, report)?;
         advance(&now, state);
+        self.fill_broken(&mut now, state, true)?;
         self.remember(&now, state);
         Ok(())
     }
@@ -277,12 +294,13 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
             *u += dt * rate;
         }
         let start = StepStart::new(model, old, dt);
-        let now = self.solve(model, &start, trial, &mut report)?;
+        let mut now = self.solve(model, &start, trial, &mut report)?;
         trial.check()?;
         report.error = Rates::judge(&now, (old, trial), dt)?;
         close(&now, &start, trial, (dt, trial), &mut report)?;
         advance(&now, trial);
         report.growth = growth(&now, old, trial);
+        self.fill_broken(&mut now, trial, true)?;
         self.remember(&now, trial);
         Ok(report)
     }

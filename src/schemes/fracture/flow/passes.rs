@@ -1,16 +1,14 @@
 //! Passes between coefficients, pressure and displacement until forces balance.
 
-use perifrac_solvers::norm2;
-
 use super::super::not_finite;
-use super::stored::{StepStart, stored_increment};
+use super::stored::StepStart;
 use super::{FractureFlowStep, Trial};
 use crate::material::TangentKind;
-use crate::model::{Model, Wetting};
+use crate::model::{Model, Spreading};
 use crate::operators::Response;
-use crate::schemes::fracture::{Fracture, damage_of};
+use crate::schemes::fracture::damage_of;
 use crate::schemes::stagnation::Stagnation;
-use crate::schemes::{SolidSolver, State, StepError, StepReport, flow_of, solid_of};
+use crate::schemes::{State, StepError, StepReport, flow_of, solid_of};
 
 /// Forces out of balance, relative to all, from which passes are taken to contract.
 pub(super) const NEAR: f64 = 3e-2;
@@ -30,10 +28,6 @@ const LEAST_FORCING: f64 = 1e-8;
 /// Passes that are remembered where coefficients lag, and where the pressure has modes of its own, which
 /// the compliance fits more or less.
 pub const SHALLOW: usize = 4;
-const DEEP: usize = 16;
-/// Compliance of fractures over the storage in them below which the pressure hardly responds to the strain,
-/// and is brought to it in every pass.
-const WEAK: f64 = 0.1;
 /// Volume that the pressure still owes the strain, relative to what the pores take up, that is none.
 const OWED: f64 = 1e-7;
 /// The same once passes make no progress any more: the audit allows a thousand times as much.
@@ -45,8 +39,7 @@ const STUCK: usize = 8;
 const GIVEN_UP: usize = 100;
 /// Damage, summed over points, that counts as progress of a crack that runs.
 const ADVANCE: f64 = 0.5;
-/// Times that passes of a step end with points wet that are not broken there, and that a start is brought to where
-/// fluid is.
+/// Times that a start is brought to where its fluid is.
 pub(super) const RETURNS: usize = 4;
 /// Shortest share of a pass.
 const SHORTEST: f64 = 0.125;
@@ -150,91 +143,6 @@ impl<const D: usize> FractureFlowStep<D> {
         force_residual(model, state, response)
     }
 
-    /// What the pores must still take up over the step, zero where the pressure is prescribed, and what
-    /// they took, Σ of absolutes; m^D.
-    pub(super) fn mass_residual(
-        &mut self,
-        model: &Model<D>,
-        start: &StepStart<'_>,
-        state: &State,
-        response: &Response<D>,
-    ) -> Result<(Vec<f64>, f64), StepError> {
-        let flow = flow_of(model)?;
-        let mut left = vec![0.0; flow.points()];
-        flow.imbalance(state.time, &state.pressure, &mut left);
-        self.products += 1;
-        let taken = stored_increment(model, start, state, Some(response))?;
-        for (i, left) in left.iter_mut().enumerate() {
-            *left = match self.is_fixed[i] {
-                true => 0.0,
-                false => start.dt * *left - taken[i],
-            };
-        }
-        Ok((left, taken.iter().map(|t| t.abs()).sum()))
-    }
-
-    /// Brings the pressure to the displacement: all the way where both are solved together, else with the
-    /// compliance of the fractures, which stands in for the strain that the pressure will cause. Gives the
-    /// iterations, and the share of the volume taken up that is owed to that strain.
-    fn balance(
-        &mut self,
-        model: &Model<D>,
-        start: &StepStart<'_>,
-        state: &mut State,
-        response: &Response<D>,
-    ) -> Result<(usize, f64), StepError> {
-        let flow = flow_of(model)?;
-        let (left, taken) = self.mass_residual(model, start, state, response)?;
-        self.flow.forget(flow);
-        let split = match self.splits() {
-            true => &self.compliance.storage[..],
-            false => &[],
-        };
-        let mut storage = flow.capacity.clone();
-        model.add_crack_storage(response, &mut storage);
-        let pairs = storage.iter_mut().zip(split);
-        pairs.for_each(|(storage, split)| *storage += split);
-        self.flow.prepare(flow, &storage, start.dt, &[])?;
-        let mut change = vec![0.0; left.len()];
-        let iterations = self.flow.solve(flow, &left, &mut change)?;
-        let pairs = state.pressure.iter_mut().zip(&change);
-        pairs.for_each(|(p, c)| *p += c);
-        let pairs = split.iter().zip(&change);
-        let splitting_residual: f64 = pairs.map(|(b, c)| (b * c).abs()).sum();
-        Ok((
-            iterations,
-            splitting_residual / taken.max(f64::MIN_POSITIVE),
-        ))
-    }
-
-    /// Whether the compliance stands in for the strain to come: never where both are solved together.
-    fn splits(&self) -> bool {
-        self.compliance.strength > WEAK
-    }
-
-    /// Brings the compliance of the fractures to those of the last step, where fields take turns and the
-    /// pressure responds to the strain.
-    fn follow_compliance(
-        &mut self,
-        model: &Model<D>,
-        old: &State,
-        state: &State,
-    ) -> Result<usize, StepError> {
-        if self.block.is_some() {
-            return Ok(0);
-        }
-        let (demand, plan) = (&self.demand, self.plan);
-        let solid =
-            |raised: &mut State| Fracture::new(demand, model, plan)?.equilibrate(model, raised);
-        let iterations = self.compliance.follow(model, old, self.relaxation, solid)?;
-        let (moved, pressed) = (norm2(&state.displacement), norm2(&state.pressure));
-        self.acceleration.depth = if self.splits() { DEEP } else { SHALLOW };
-        if moved > 0.0 && pressed > 0.0 {
-            self.unit = moved / pressed;
-        }
-        Ok(iterations)
-    }
-
     /// Whether so much has broken since `old` that the step will be rejected: a crack that runs takes many
     /// passes, which are better spent on the step that keeps it.
     pub(super) fn runs(
@@ -303,47 +211,16 @@ impl<const D: usize> FractureFlowStep<D> {
         report: &mut StepReport,
     ) -> Result<Model<D>, StepError> {
         let mut now = model.clone();
-        self.returns = 0;
         match self.together {
-            true => self.converge_coupled(model, &mut now, start, state, report)?,
-            false => self.converge(model, &mut now, start, state, report)?,
+            true => self.converge_coupled(&mut now, start, state, report)?,
+            false => self.converge(&mut now, start, state, report)?,
         }
         Ok(now)
-    }
-
-    /// Where passes end: lets go of points that became wet on the way there and are not broken there. True if there were
-    /// any, so that passes go on with the fluid where it was at the start of the step and where rock is broken now.
-    ///
-    /// # Errors
-    /// [`StepError::Strays`] if it happens again and again.
-    pub(super) fn lets_go(
-        &mut self,
-        origin: &Model<D>,
-        model: &mut Model<D>,
-        start: &StepStart<'_>,
-        (state, response): (&State, &Response<D>),
-    ) -> Result<bool, StepError> {
-        let pair = model.cracks().zip(origin.cracks());
-        let points = pair.map_or(0, |(now, then)| now.strays(then, &response.damage));
-        if points == 0 {
-            return Ok(false);
-        }
-        self.returns += 1;
-        if self.returns > RETURNS {
-            let time = state.time;
-            return Err(StepError::Strays { time, points });
-        }
-        model.clone_from(origin);
-        let fields = (&state.displacement[..], &state.walls[..]);
-        model.follow_fractures(response, fields, Wetting::at(&start.state.pressure));
-        self.acceleration.forget();
-        Ok(true)
     }
 
     /// Passes until forces balance at the coefficients that the model has then, from those of the step's start.
     fn converge(
         &mut self,
-        origin: &Model<D>,
         model: &mut Model<D>,
         start: &StepStart<'_>,
         state: &mut State,
@@ -357,9 +234,11 @@ impl<const D: usize> FractureFlowStep<D> {
         self.forcing = (10.0 * self.forcing).min(FORCING);
         for pass in 0..=self.plan.iterations {
             let fields = (&state.displacement[..], &state.walls[..]);
-            let before = &old.pressure[..];
-            let spreads = pass > 0;
-            model.follow_fractures(&found.response, fields, Wetting { before, spreads });
+            let spreading = match pass {
+                0 => Spreading::Anew,
+                _ => Spreading::Further,
+            };
+            model.follow_fractures(&found.response, fields, spreading);
             if pass == 0 {
                 report.iterations += self.follow_compliance(model, old, state)?;
             }
@@ -376,11 +255,7 @@ impl<const D: usize> FractureFlowStep<D> {
             report.passes = pass;
             report.residual = Some(imbalance);
             if imbalance <= self.plan.tolerance && splitting_residual <= watch.allowed() {
-                if !self.lets_go(origin, model, start, (state, &at.response))? {
-                    return Ok(());
-                }
-                found = self.evaluate(model, state)?;
-                continue;
+                return Ok(());
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
                 return Err(StepError::Runs {

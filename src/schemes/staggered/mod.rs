@@ -4,6 +4,8 @@
 //! pressure will cause. Without it (β = 0, the paper's form) the iteration diverges where
 //! τ = α²/(s(λ+2μ)) > 1.
 
+mod disagreement;
+
 use super::accelerator::Accelerator;
 use super::memory::{Lag, Predictor};
 use super::solid::SolidSolver;
@@ -278,33 +280,6 @@ impl<const D: usize> Staggered<D> {
         self.diverged(model, target.time, passes, [relative; 2])
     }
 
-    /// Root mean square of the pressure that one pass leaves unsettled, Pa: fluid that strain owes its point, over
-    /// what pores and exchange would take off it in the step for every pascal.
-    ///
-    /// Pressures so rough that no strain answers them are stored by the split alone and swing about what is right,
-    /// at the speed of exchange and whatever the step, until the storage of the rock has worn them down: what
-    /// strain owes them is all that flows.
-    fn unsettled(
-        &self,
-        model: &Model<D>,
-        dt: f64,
-        (guess, found): (&Predictor, &Predictor),
-    ) -> Result<f64, StepError> {
-        let flow = flow_of(model)?;
-        let volume = &flow.operator.neighbourhood().cloud.volume;
-        let pressure = |i: usize| {
-            let strain = found.content[i] - guess.content[i];
-            let owed = strain - self.split[i] * (found.pressure[i] - guess.pressure[i]);
-            let taken = dt * flow.exchange_rate(i) + flow.capacity[i];
-            match self.is_fixed[i] || taken <= 0.0 {
-                true => 0.0,
-                false => owed / taken,
-            }
-        };
-        let squares = (0..volume.len()).map(|i| volume[i] * pressure(i).powi(2));
-        Ok((squares.sum::<f64>() / volume.iter().sum::<f64>()).sqrt())
-    }
-
     /// Disagreement over its scale that is allowed after so many passes without progress: relaxation may leave
     /// more than what passes are to agree to, and then more of them change nothing.
     fn allowed(&self, stuck: usize) -> f64 {
@@ -366,27 +341,6 @@ impl<const D: usize> Staggered<D> {
             strength: coupling_of(model)?.strength(&flow_of(model)?.capacity),
         })
     }
-
-    /// Residual of the coupled mass balance in absolute amounts, and its scale, m^D.
-    fn disagreement(
-        &self,
-        target: &Target<'_>,
-        rhs: &[f64],
-        (guess, found): (&Predictor, &Predictor),
-    ) -> (f64, f64) {
-        let base = &target.base.pressure;
-        let mut total = (0.0, 0.0);
-        for (i, right) in rhs.iter().enumerate().filter(|(i, _)| !self.is_fixed[*i]) {
-            let strain = guess.content[i] - found.content[i];
-            let pressure = self.split[i] * (guess.pressure[i] - found.pressure[i]);
-            let held = FLOOR * base[i].abs() + found.pressure[i].abs();
-            total.0 += (strain - pressure).abs();
-            // What the split adds is no fluid: it may be many times what a fracture takes up.
-            let stored = self.storage[i] - self.split[i];
-            total.1 += right.abs() + found.content[i].abs() + stored * held;
-        }
-        total
-    }
 }
 
 /// Disagreement, relative to the terms of the mass balance, that makes a lagged strain a fair guess.
@@ -396,10 +350,8 @@ const STALLED: f64 = 1e-2;
 /// Passes without progress after which that holds, and after which passes are given up.
 const PATIENCE: usize = 4;
 const GIVEN_UP: usize = 30;
-/// Share of what the pores hold that counts in the scale: steps may be so small that their own
+/// Share of the strain there is already that counts in the scale of disagreements: steps may be so small that their own
 /// changes drown in rounding errors.
-const FLOOR: f64 = 1e-3;
-/// The same for the strain there is already.
 const ROUNDING: f64 = 1e-5;
 /// Growth of the disagreement over all passes that counts as divergence.
 const GROWTH: f64 = 1e6;

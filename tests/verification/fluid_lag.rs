@@ -1,0 +1,160 @@
+//! Fluid that does not follow where a crack opens: voids at the pressure at which it boils (docs/theory.md, section 19).
+
+use perifrac::run::Summary;
+
+use crate::support::run_text;
+
+/// A crack of 1 m in the middle of a block (a quarter of it is computed) that is pulled within 0.1 s by 1 MPa,
+/// while fluid without friction is pumped into it.
+const PULLED: &str = r#"title = "A crack that tension opens is filled"
+geometry = { type = "lattice", size = ["2 m", "2 m"], spacing = "10 cm" }
+fluid.viscosity = "1e-6 Pa s"
+materials.rock = { youngs_modulus = "20 GPa", poissons_ratio = 0.2, fracture_energy = "1e6 J/m^2", permeability = "1e-30 m^2", storage = "1e-11 1/Pa", biot_coefficient = 0 }
+flow = {}
+damage = {}
+fracture_flow = {}
+coupling.undrained_start = false
+scheme.name = "monolithic"
+time = { end = "2 s", step = "0.1 s" }
+output.vtu = false
+[mechanics.boundary]
+left.roller = true
+bottom.roller = true
+top.traction = [0, { time = [0, 0.1, 10], value = [0, "1 MPa", "1 MPa"] }]
+[cracks.main]
+kind = "damaged"
+points = [["0 m", "0 m"], ["0.5 m", "0 m"]]
+injection = { rate = "1e-4 m^2/s", at = ["0 m", "0 m"] }
+"#;
+
+/// Pull, Pa, and what the quarter of the crack gets a second, m².
+const PULL: f64 = 1e6;
+const RATE: f64 = 2.5e-5;
+
+fn fluid_and_void(summary: &Summary) -> (f64, f64) {
+    let results = summary.results.as_ref().unwrap();
+    (results.crack_volume.unwrap(), results.void_volume.unwrap())
+}
+
+/// Pressure at the end where fluid is pumped in, Pa: it never falls there.
+fn pressure(summary: &Summary) -> f64 {
+    let results = summary.results.as_ref().unwrap();
+    results.peak_injection_pressure.unwrap()
+}
+
+/// A crack opens in proportion to the pull and the pressure together. Pulled by σ it opens by V₀ at no pressure, so
+/// that the pressure stays at that of boiling until V₀ is filled and is σ (V/V₀ − 1) from then on. Nothing is lost.
+#[test]
+fn a_crack_that_tension_opens_fills_before_its_pressure_rises() {
+    for scheme in ["monolithic", "staggered"] {
+        let name = format!("scheme.name={scheme}");
+        let (half, _) = run_text(PULLED, &[&name, "time.end=0.5 s"]);
+        let (fluid, void) = fluid_and_void(&half);
+        assert!(
+            (fluid / (0.5 * RATE) - 1.0).abs() < 1e-4,
+            "{scheme}: {fluid}"
+        );
+        assert!(void > 0.5 * fluid, "{scheme}: {void}");
+        // Friction on the way to the voids.
+        assert!(
+            pressure(&half) < 1e-3 * PULL,
+            "{scheme}: {}",
+            pressure(&half)
+        );
+        let opened = fluid + void;
+        let (full, _) = run_text(PULLED, &[&name]);
+        let (fluid, void) = fluid_and_void(&full);
+        assert!(void == 0.0, "{scheme}: {void}");
+        assert!(
+            (fluid / (2.0 * RATE) - 1.0).abs() < 1e-3,
+            "{scheme}: {fluid}"
+        );
+        let expected = PULL * (fluid / opened - 1.0);
+        let found = pressure(&full);
+        assert!(
+            (found / expected - 1.0).abs() < 5e-3,
+            "{scheme}: {found} for {expected}"
+        );
+    }
+}
+
+/// At −0.5 MPa half of the pull is left to open the crack.
+#[test]
+fn a_crack_closes_on_fluid_that_boils_at_a_lower_pressure() {
+    let opened = |limit: &str| {
+        let limit = format!("fluid.cavitation_pressure={limit}");
+        let (summary, state) = run_text(PULLED, &[&limit, "flow.suction=true", "time.end=0.1 s"]);
+        let lowest = state.pressure.iter().copied().fold(0.0, f64::min);
+        (fluid_and_void(&summary), lowest)
+    };
+    let ((fluid, void), lowest) = opened("0 Pa");
+    let ((half_fluid, half_void), half_lowest) = opened("-0.5 MPa");
+    assert_eq!((lowest, half_lowest), (0.0, -0.5e6));
+    let ratio = (half_fluid + half_void) / (fluid + void);
+    assert!((ratio - 0.5).abs() < 5e-3, "{ratio}");
+}
+
+/// Nothing but `flow.suction` switches boiling off.
+#[test]
+fn pressures_that_count_from_another_zero_do_not_boil() {
+    let set = [
+        "flow.suction=true",
+        "time.end=0.1 s",
+        "materials.rock.storage=1e-10 1/Pa",
+    ];
+    let (summary, state) = run_text(PULLED, &set);
+    assert_eq!(fluid_and_void(&summary).1, 0.0);
+    assert!(state.pressure.iter().any(|p| *p < -0.5e6));
+}
+
+/// Water pumped into a crack at 45° to the stresses in tight rock with pores that feel it: where the tip opens undrained
+/// pores draw by a megapascal and rock breaks before fluid is there.
+const TIGHT: &str = r#"title = "Water in tight rock"
+geometry = { type = "lattice", size = ["1.6 m", "1.6 m"], spacing = "4 cm" }
+fluid.viscosity = "1 mPa s"
+initial.stress = { xx = "-10 MPa", yy = "-5 MPa" }
+time = { end = "0.4 s", first_step = "10 ms", tolerance = 0.1 }
+materials.rock = { youngs_modulus = "20 GPa", poissons_ratio = 0.2, fracture_energy = "100 J/m^2", permeability = "1e-20 m^2", storage = "1e-11 1/Pa", biot_coefficient = 0.6 }
+flow = {}
+coupling.undrained_start = false
+damage.largest_increment = 0.9
+fracture_flow = {}
+output.vtu = false
+[mechanics.boundary]
+left.clamped = true
+right.clamped = true
+bottom.clamped = true
+top.clamped = true
+[cracks.main]
+kind = "damaged"
+points = [["0.66 m", "0.66 m"], ["0.94 m", "0.94 m"]]
+injection = { rate = "1e-4 m^2/s", at = ["0.8 m", "0.8 m"] }
+"#;
+
+/// The crack runs, holds what was pumped in, and does not care how short steps are.
+#[test]
+fn water_is_pumped_into_tight_rock_whose_pores_draw() {
+    let (summary, _) = run_text(TIGHT, &[]);
+    let (fluid, void) = fluid_and_void(&summary);
+    assert!(
+        (fluid / 4e-5 - 1.0).abs() < 1e-4 && void == 0.0,
+        "{fluid} {void}"
+    );
+    assert!(
+        summary.steps <= 20 && summary.rejected <= 2,
+        "{}",
+        summary.steps
+    );
+    let length = |set: &[&str]| run_text(TIGHT, set).0.results.unwrap().crack_length;
+    let start = length(&["time.end=10 ms"]);
+    let grown = summary.results.unwrap().crack_length - start;
+    assert!(grown > 0.15, "{grown}");
+    let short = [
+        "time.end=0.2 s",
+        "time.first_step=5 ms",
+        "time.max_step=5 ms",
+    ];
+    let (long, short) = (length(&["time.end=0.2 s"]), length(&short));
+    let apart = (long - short).abs() / (short - start);
+    assert!(apart < 0.15, "{long} {short} {start}");
+}
