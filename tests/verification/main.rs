@@ -16,6 +16,7 @@ mod estimates;
 mod five_spot;
 mod fourier;
 mod gravity;
+mod held_wells;
 mod incompressible;
 mod initial;
 mod laminate;
