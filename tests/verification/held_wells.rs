@@ -6,7 +6,7 @@ use perifrac::model::Control;
 use perifrac::reference::{ExactPressure, FiveSpot, InjectorCorner};
 use perifrac::run::{Summary, examine};
 
-use crate::support::{model, plan, plan_of, run_case, run_text, try_run};
+use crate::support::{model, plan, plan_of, plan_of_variant, run_case, run_text, try_run};
 
 /// A well at 1 Pa in a unit square whose sides are at 0.
 const SQUARE: &str = r#"
@@ -438,4 +438,37 @@ fn what_a_scene_without_such_wells_does_not_name_is_not_there() {
     );
     let held = model::<2>(&plan).flow.unwrap();
     assert!(held.wells.evaluations().is_some());
+}
+
+/// Ten hours of production at a constant rate and ten of rest, against superposed solutions of Theis: what is left is of second order.
+#[test]
+fn a_well_test_follows_theis_and_its_superposition() {
+    let [coarse, fine] = ["geometry.points=[50, 50]", "geometry.points=[100, 100]"].map(|set| {
+        let (summary, _) = run_case("well-test", &[set]);
+        assert!(summary.balance.mass < 1e-12);
+        let errors = summary.errors_over_time.iter();
+        errors
+            .map(|at| (at.time, at.errors["well_pressure"].max))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(coarse.len(), 8);
+    for ((time, coarse), (_, fine)) in coarse.iter().zip(&fine) {
+        assert!(coarse / fine > 3.5, "{time}: {coarse:.2e} {fine:.2e}");
+    }
+    let at = |wanted: f64| fine.iter().find(|(time, _)| *time >= wanted).unwrap().1;
+    assert!(
+        at(1800.0) < 2e-3 && at(36_000.0) < 1e-4 && at(72_000.0) < 5e-5,
+        "{fine:?}"
+    );
+}
+
+/// Errors are told up to the time at which a limit is met, which no exact solution knows of.
+#[test]
+fn a_limited_well_is_compared_up_to_its_limit() {
+    let plan = plan_of_variant("well-test", "limited", &["geometry.points=[30, 30]"]);
+    let (summary, _) = try_run(&plan).unwrap();
+    let times: Vec<f64> = summary.errors_over_time.iter().map(|at| at.time).collect();
+    assert_eq!(times, [1800.0, 3600.0]);
+    assert_eq!(summary.wells["well"].switches, 2);
+    assert!(summary.errors.is_empty());
 }
