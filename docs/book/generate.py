@@ -527,7 +527,7 @@ def columns(folder):
     for name in names:
         pattern = re.sub(r"SIDE", "(left|right|bottom|top|front|back)", re.escape(name))
         pattern = re.sub(r"AXIS", "[xyz]", pattern)
-        pattern = re.sub(r"(PROBE|CRACK)", r"[\\w-]+", pattern)
+        pattern = re.sub(r"(PROBE|CRACK|WELL)", r"[\\w-]+", pattern)
         pattern = re.sub(r"NUMBER", r"\\d+", pattern)
         patterns[name] = re.compile(pattern)
     used, checked = set(), 0
