@@ -349,6 +349,35 @@ fn skin_adds_to_the_resistance_and_a_hole_that_is_too_wide_is_refused() {
     );
 }
 
+/// The term of a well is of no M-matrix, and large where the hole is nearly as wide as the points tell.
+#[test]
+fn every_kind_of_solver_finds_the_same_rate() {
+    for hole in [
+        "wells.w.wellbore_radius=1e-4",
+        "wells.w.wellbore_radius=0.0258",
+    ] {
+        let solvers = ["faer-llt", "faer-cg:preconditioner=amg", "faer-cg", "gmres"];
+        let rates = solvers.map(|name| {
+            let (summary, _) = run_text(SQUARE, &[hole, &format!("solver.name={name}")]);
+            assert!(
+                summary.balance.mass < 1e-11,
+                "{name}: {}",
+                summary.balance.mass
+            );
+            rate(&summary, "w")
+        });
+        assert!(
+            rates.iter().all(|own| (own / rates[0] - 1.0).abs() < 1e-9),
+            "{rates:?}"
+        );
+    }
+    let told = try_run(&plan_of(SQUARE, &["solver.name=fourier"])).unwrap_err();
+    assert!(
+        told.to_string().contains("here a well holds a pressure"),
+        "{told}"
+    );
+}
+
 /// Rock that deforms, between rollers, with a producer at a pressure and an injector with a limit.
 const COUPLED: &str = r#"
 title = "Wells in rock that deforms"
