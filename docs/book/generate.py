@@ -35,6 +35,7 @@ FORMS = {
     "reservoir-3d": "reservoir-3d --set geometry.points=[10,10,5]",
     "theis": "theis --set geometry.points=[50,50]",
     "anisotropic": "anisotropic --set geometry.points=[50,50]",
+    "well-test": "well-test/limited --set geometry.points=[50,50]",
     "terzaghi": "terzaghi --set time.step=3",
     "terzaghi-graded": "terzaghi-graded --set time.step=3",
     "terzaghi-tensor": "terzaghi-tensor --set time.step=3",
@@ -526,7 +527,7 @@ def columns(folder):
     for name in names:
         pattern = re.sub(r"SIDE", "(left|right|bottom|top|front|back)", re.escape(name))
         pattern = re.sub(r"AXIS", "[xyz]", pattern)
-        pattern = re.sub(r"(PROBE|CRACK)", r"[\\w-]+", pattern)
+        pattern = re.sub(r"(PROBE|CRACK|WELL)", r"[\\w-]+", pattern)
         pattern = re.sub(r"NUMBER", r"\\d+", pattern)
         patterns[name] = re.compile(pattern)
     used, checked = set(), 0

@@ -62,6 +62,11 @@ pub const CASES: &[Case] = &[
         "a well where rock conducts better along one axis, against the exact solution"
     ),
     case!(
+        "well-test",
+        "drawdown and build-up of a well, against Theis and his superposition",
+        "limited"
+    ),
+    case!(
         "terzaghi",
         "consolidation of a loaded column (Sec. 5.2), against Terzaghi's solution"
     ),

@@ -24,6 +24,7 @@ pub use gravity::Column;
 pub use injection::injection_shares;
 pub use opening::{Opening, openings};
 pub use solid::{SolidContext, build_solid, initial_force, loaded_side, tensor};
+pub use wells::{WellSpread, known_wells};
 
 pub use crate::plan::Effect;
 
@@ -76,6 +77,37 @@ pub enum EffectError {
         distance: f64,
         /// Sum of radii, m.
         radii: f64,
+    },
+    /// The hole of a well reaches to where the operator tells the pressure around it.
+    #[error(
+        "well \"{name}\": with a hole of {radius:.3e} m and a skin of {skin} nothing is left between the bottom and \
+         the points, which tell the pressure at {equivalent:.3e} m from the well; set a smaller wellbore_radius, a \
+         greater skin, or coarsen the cloud"
+    )]
+    WideHole {
+        /// Name.
+        name: String,
+        /// Radius of the hole, m.
+        radius: f64,
+        /// Its skin.
+        skin: f64,
+        /// Radius at which the exact pressure is the mean one of the well's points, m.
+        equivalent: f64,
+    },
+    /// The exact pressure near a well is not known.
+    #[error(
+        "the bottom-hole pressure of well \"{name}\" at {at:?} cannot be told from the points within {reach:.3e} m: \
+         {reason}; move the well, refine the cloud, or leave out wellbore_radius"
+    )]
+    CrampedWell {
+        /// Name.
+        name: String,
+        /// Position, m.
+        at: Vec<f64>,
+        /// What is there.
+        reason: &'static str,
+        /// Distance, m.
+        reach: f64,
     },
     /// A load's region touches no point of its side.
     #[error(

@@ -33,10 +33,45 @@ pub(super) fn build<const D: usize>(
             }
         }
     }
-    let one = |(well, &radius): (&WellPlan, &f64)| -> Result<Box<dyn Effect>, EffectError> {
-        Ok(Box::new(spread(context, well, radius)?))
+    let one = |(well, &radius): (&WellPlan, &f64)| {
+        // Those that may be held at a pressure are a part of the operator.
+        let rate = well.rate().filter(|_| !well.holds())?;
+        let spread = spread(context, well, radius);
+        Some(spread.map(|spread| -> Box<dyn Effect> {
+            Box::new(SourceDistribution {
+                name: "wells",
+                rate: rate.clone(),
+                share: spread.share,
+                inside: spread.inside,
+            })
+        }))
     };
-    wells.iter().zip(&radius).map(one).collect()
+    wells.iter().zip(&radius).filter_map(one).collect()
+}
+
+/// Points that a well feeds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WellSpread {
+    /// Points and their shares s_i; they add up to `inside`.
+    pub share: Vec<(u32, f64)>,
+    /// Share of the rate that enters the domain.
+    pub inside: f64,
+    /// Radius λ over which it is spread, m.
+    pub radius: f64,
+}
+
+/// How the wells are spread whose bottom-hole pressure is known, each with its place in the plan.
+///
+/// # Errors
+/// [`EffectError::EmptyWell`].
+pub fn known_wells<const D: usize>(
+    context: &Context<'_, D>,
+) -> Result<Vec<(usize, WellSpread)>, EffectError> {
+    let around = context.operator.neighbourhood();
+    let wells = context.plan.wells.iter().enumerate();
+    let known = wells.filter(|(_, well)| well.bore.is_some());
+    let spread = |(place, well)| Ok((place, spread(context, well, radius(around, well))?));
+    known.map(spread).collect()
 }
 
 /// Eq. 77 with the spacing and horizon of the nearest point.
@@ -63,7 +98,7 @@ fn spread<const D: usize>(
     context: &Context<'_, D>,
     well: &WellPlan,
     radius: f64,
-) -> Result<SourceDistribution, EffectError> {
+) -> Result<WellSpread, EffectError> {
     let cloud = &context.operator.neighbourhood().cloud;
     let images = well_images(context, &vector(&well.at), radius);
     let mut items = Vec::new();
@@ -100,11 +135,10 @@ fn spread<const D: usize>(
     let inside = standing(context, &vector(&well.at));
     let sum: f64 = share.iter().map(|(_, s)| s).sum();
     share.iter_mut().for_each(|(_, s)| *s *= inside / sum);
-    Ok(SourceDistribution {
-        name: "wells",
-        rate: well.rate.clone(),
+    Ok(WellSpread {
         share,
         inside,
+        radius,
     })
 }
 

@@ -23,6 +23,14 @@ pub(super) fn effects(plan: &Plan) -> Vec<Reason> {
             "wells",
             format!("[wells] names {}", names.join(", ")),
         ));
+        let held: Vec<&str> = (plan.wells.iter())
+            .filter(|well| well.holds())
+            .map(|well| well.name.as_str())
+            .collect();
+        if !held.is_empty() {
+            let why = format!("a pressure is given or a limit for {}", held.join(", "));
+            effects.push(reason("held-wells", why));
+        }
     }
     if let Some(mechanics) = &plan.mechanics {
         let motion = if mechanics.inertia {

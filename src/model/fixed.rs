@@ -1,9 +1,10 @@
 //! Points of prescribed pressure.
 
-use super::ModelError;
 use super::bands::Bands;
+use super::{FlowModel, ModelError};
 use crate::geometry::Cloud;
 use crate::plan::{FlowPlan, Load, Plan};
+use crate::report::Flows;
 
 /// A point whose pressure is prescribed.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,4 +55,36 @@ pub(super) fn fixed_points<const D: usize>(
     let points = chosen.into_iter().enumerate();
     let fixed = points.filter_map(|(point, load)| load.map(|load| FixedPressure { point, load }));
     Ok((fixed.collect(), loads))
+}
+
+impl<const D: usize> FlowModel<D> {
+    /// Adds the rate that enters at the points of prescribed pressure, from the imbalance q − L p with
+    /// the rate of storage taken off, m^D/s.
+    pub fn add_fixed_inflow(&self, imbalance: &[f64], flows: &mut Flows) {
+        for fixed in &self.fixed {
+            flows.hold(fixed.load, -imbalance[fixed.point]);
+        }
+    }
+
+    /// Whether the pressure of a point is prescribed, shape `(n,)`.
+    pub fn fixed_mask(&self) -> Vec<bool> {
+        let mut mask = vec![false; self.points()];
+        self.fixed.iter().for_each(|fixed| mask[fixed.point] = true);
+        mask
+    }
+
+    /// Sets the entries of `change` at fixed points to what leads from `base` to their pressure at
+    /// `time`, Pa.
+    pub fn fix(&self, time: f64, base: &[f64], change: &mut [f64]) {
+        for fixed in &self.fixed {
+            change[fixed.point] = self.fixed_loads[fixed.load].at(time) - base[fixed.point];
+        }
+    }
+
+    /// Sets the prescribed pressures to those at `time`, Pa.
+    pub fn fix_values(&self, time: f64, pressure: &mut [f64]) {
+        for fixed in &self.fixed {
+            pressure[fixed.point] = self.fixed_loads[fixed.load].at(time);
+        }
+    }
 }

@@ -23,6 +23,7 @@ use super::lattice::lattice;
 use super::operator_choice::ChosenOperator;
 use super::properties::Properties;
 use super::stabilisation::Stabilisation;
+use super::wells::{Control, Wells};
 use super::{Coupling, ModelError};
 
 /// Operators, coefficients and effects of the flow problem. Clones share what does not depend on the
@@ -55,6 +56,10 @@ pub struct FlowModel<const D: usize> {
     pub(super) crack_bonds: Option<CrackBonds<D>>,
     /// Initial pressure, shape `(n,)`, Pa.
     pub initial: Vec<f64>,
+    /// Wells whose bottom-hole pressure is known.
+    pub wells: Arc<Wells>,
+    /// What they are held at; L belongs to it. Set by [`FlowModel::set_controls`].
+    pub controls: Vec<Control>,
     /// Sides of prescribed pressure.
     pub walls: Vec<BoundaryPlane>,
     /// Prescribed flux into the domain per side, m/s.
@@ -104,6 +109,8 @@ impl<const D: usize> FlowModel<D> {
                 .collect(),
             fluxes: flow.sides.iter().map(flux).collect(),
             initial: initial.collect(),
+            wells: Arc::default(),
+            controls: Vec::new(),
             walls: Vec::new(),
             refill_plan: Arc::default(),
             pattern: Arc::new(Pattern {
@@ -130,7 +137,7 @@ impl<const D: usize> FlowModel<D> {
     pub(super) fn assemble(
         mut self,
         plan: &Plan,
-        bands: &Bands,
+        (points, bands): (&Properties, &Bands),
         coupling: Option<&Coupling>,
     ) -> Result<Self, ModelError> {
         let mut pattern = self.operator.pattern()?;
@@ -144,18 +151,17 @@ impl<const D: usize> FlowModel<D> {
             let families = &bonds.around.families;
             pattern = pattern.union(&Pattern::of_families(families, |_| false)?)?;
         }
+        let spreads = effects::known_wells(&self.context(plan, bands))?;
+        pattern = Self::with_wells(pattern, &spreads, &plan.wells)?;
         self.conductance = vec![0.0; pattern.nonzeros()];
         self.refill_plan = Arc::new(self.operator.refill_plan(&self.extension, &pattern));
         self.pattern = Arc::new(pattern);
         self.refill();
-        self.effects = Arc::new(effects::build(&Context {
-            plan,
-            operator: &*self.operator,
-            extension: &self.extension,
-            mobility: &self.mobility,
-            column: self.column.as_ref(),
-            bands: &bands.points,
-        })?);
+        let wells = self.wells(&self.context(plan, bands), spreads, &points.tensor)?;
+        self.controls = vec![Control::Given; wells.iter().len()];
+        self.wells = Arc::new(wells);
+        self.enter_wells();
+        self.effects = Arc::new(effects::build(&self.context(plan, bands))?);
         self.walls = boundary::walls(
             plan,
             &*self.operator,
@@ -166,7 +172,26 @@ impl<const D: usize> FlowModel<D> {
         Ok(self)
     }
 
-    /// Fills L anew from the current mobility, into the same pattern.
+    /// What effects look at while they are built.
+    fn context<'a>(&'a self, plan: &'a Plan, bands: &'a Bands) -> Context<'a, D> {
+        Context {
+            plan,
+            operator: &*self.operator,
+            extension: &self.extension,
+            mobility: &self.mobility,
+            column: self.column.as_ref(),
+            bands: &bands.points,
+        }
+    }
+
+    /// Values of L at a mobility (shape `(n,)`), without wells, into `values` (shape `(nonzeros,)`).
+    pub(super) fn fill_with(&self, mobility: &[f64], values: &mut [f64]) {
+        let plan = &self.refill_plan;
+        self.operator
+            .fill(&self.extension, mobility, &self.pattern, plan, values);
+    }
+
+    /// Fills L anew from the current mobility, into the same pattern. Where L follows what breaks no well holds a pressure.
     pub fn refill(&mut self) {
         let (timers, values) = (self.timers.clone(), &mut self.conductance);
         timers.time("assembly", || {
@@ -227,12 +252,14 @@ impl<const D: usize> FlowModel<D> {
         )
     }
 
-    /// Rate of the effects at `time`, shape `(n,)`, m^D/s; sides of prescribed pressure not included.
+    /// Rate of the effects at `time`, shape `(n,)`, m^D/s; sides of prescribed pressure and wells that are held at one not
+    /// included.
     pub fn rate(&self, time: f64, rate: &mut [f64]) {
         rate.fill(0.0);
         self.effects
             .iter()
             .for_each(|effect| effect.add_rate(time, rate));
+        self.wells.add_rate(&self.controls, time, rate);
     }
 
     /// Imbalance q − L p at `time`, shape `(n,)`, m^D/s: what storage takes up.
@@ -242,6 +269,7 @@ impl<const D: usize> FlowModel<D> {
             self.walls
                 .iter()
                 .for_each(|wall| wall.add_rate(time, pressure, imbalance));
+            self.add_well_inflow(time, pressure, imbalance);
             self.subtract_exchange(pressure, imbalance);
         });
     }
@@ -303,49 +331,25 @@ impl<const D: usize> FlowModel<D> {
             flows.outflow[wall.side.index()] = net;
             flows.gross += gross;
         }
+        self.wells
+            .add_flows(&self.controls, time, pressure, &mut flows);
         flows
     }
 
-    /// Adds the rate that enters at the points of prescribed pressure, from the imbalance q − L p with
-    /// the rate of storage taken off, m^D/s.
-    pub fn add_fixed_inflow(&self, imbalance: &[f64], flows: &mut Flows) {
-        for fixed in &self.fixed {
-            flows.hold(fixed.load, -imbalance[fixed.point]);
-        }
-    }
-
-    /// Whether the pressure of a point is prescribed, shape `(n,)`.
-    pub fn fixed_mask(&self) -> Vec<bool> {
-        let mut mask = vec![false; self.points()];
-        self.fixed.iter().for_each(|fixed| mask[fixed.point] = true);
-        mask
-    }
-
-    /// Conductance of every point to the sides of prescribed pressure, its row sum of L, shape `(n,)`.
+    /// Conductance of every point to the sides of prescribed pressure and to wells that are held at one, its row sum of L,
+    /// shape `(n,)`.
     pub fn leak(&self) -> Vec<f64> {
         let mut leak = vec![0.0; self.points()];
         self.walls.iter().for_each(|wall| wall.add_leak(&mut leak));
+        self.wells.add_leak(&self.controls, &mut leak);
         leak
-    }
-
-    /// Sets the entries of `change` at fixed points to what leads from `base` to their pressure at
-    /// `time`, Pa.
-    pub fn fix(&self, time: f64, base: &[f64], change: &mut [f64]) {
-        for fixed in &self.fixed {
-            change[fixed.point] = self.fixed_loads[fixed.load].at(time) - base[fixed.point];
-        }
-    }
-
-    /// Sets the prescribed pressures to those at `time`, Pa.
-    pub fn fix_values(&self, time: f64, pressure: &mut [f64]) {
-        for fixed in &self.fixed {
-            pressure[fixed.point] = self.fixed_loads[fixed.load].at(time);
-        }
     }
 
     /// Whether all loads are constant in time, so that the rate needs to be evaluated once only.
     pub fn is_constant(&self) -> bool {
-        self.breakpoints().is_empty() && self.effects.iter().all(|e| e.effect().is_constant())
+        // Limits may change what a well is held at.
+        let steady = self.breakpoints().is_empty() && self.wells.loads().next().is_none();
+        steady && self.effects.iter().all(|e| e.effect().is_constant())
     }
 
     /// Prescribed pressures of the sides at `time`; zero where none is prescribed, shape `(2D,)`.
@@ -432,6 +436,7 @@ impl<const D: usize> FlowModel<D> {
         let walls = self.walls.iter().map(|wall| &wall.pressure);
         let loads = walls
             .chain(&self.fixed_loads)
+            .chain(self.wells.loads())
             .flat_map(|load| load.breakpoints().to_vec());
         let mut times: Vec<f64> = effects.chain(loads).collect();
         times.sort_by(f64::total_cmp);
@@ -447,7 +452,7 @@ impl<const D: usize> FlowModel<D> {
             .map(|effect| effect.effect().bytes())
             .sum();
         let walls: usize = self.walls.iter().map(BoundaryPlane::bytes).sum();
-        vec![
+        let mut bytes = vec![
             ("bonds", self.operator.neighbourhood().bytes()),
             ("operator", self.operator.bytes()),
             (
@@ -461,7 +466,11 @@ impl<const D: usize> FlowModel<D> {
                 8 * (self.mobility.len() + self.capacity.len() + self.initial.len()),
             ),
             ("effects", effects + walls),
-        ]
+        ];
+        if !self.wells.is_empty() {
+            bytes.push(("wells", self.wells.bytes()));
+        }
+        bytes
     }
 }
 

@@ -13,7 +13,11 @@ pub(super) fn level<const D: usize>(plan: &Plan, flow: Option<&FlowModel<D>>) ->
             .flat_map(|load| load.values())
     });
     let stresses = plan.mechanics.iter().flat_map(stresses);
-    let all = start.chain(prescribed.copied()).chain(stresses);
+    let wells = flow.into_iter().flat_map(|flow| flow.wells.pressures());
+    let all = start
+        .chain(prescribed.copied())
+        .chain(wells)
+        .chain(stresses);
     all.fold(0.0, |most, value| value.abs().max(most))
 }
 

@@ -32,6 +32,7 @@ mod scaled_mass;
 mod solid;
 mod stabilisation;
 mod walls;
+mod wells;
 
 use std::sync::Arc;
 
@@ -59,6 +60,7 @@ pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sam
 pub use scaled_mass::{SHARE, undrained_modulus};
 pub use solid::SolidModel;
 pub use walls::{Drive, MovingWall, driven_walls};
+pub use wells::{Control, Well, WellNow, Wells};
 
 use in_situ::InSitu;
 use scaled_mass::scaled_mass;
@@ -330,7 +332,9 @@ fn build_flow<const D: usize>(
         FlowModel::build(plan, flow, cloud, families, (points, bands), warnings)
     })?;
     flow.timers = timers.clone();
-    let mut flow = timers.time("assembly", || flow.assemble(plan, bands, coupling))?;
+    let mut flow = timers.time("assembly", || {
+        flow.assemble(plan, (points, bands), coupling)
+    })?;
     if let Ok(Some(solution)) = manufactured(plan) {
         let exact = |x: &Vector<D>| solution.pressure(x.as_slice(), 0.0);
         flow.initial = cloud.position.iter().map(exact).collect();

@@ -3,7 +3,7 @@
 use perifrac_solvers::{Lattice, LatticeAxis, Mirror};
 
 use super::capability::System;
-use super::{GeometryPlan, GradientChoice, Plan, Shape, SideCondition, Support};
+use super::{GeometryPlan, GradientChoice, Plan, Shape, SideCondition, Support, WellPlan};
 use crate::geometry::Side;
 
 /// The points of a plan as a lattice for a linear system, as far as the plan alone tells: what varies from
@@ -54,6 +54,8 @@ fn uneven(plan: &Plan, system: System, jitter: f64) -> Option<&'static str> {
         Some("here points have a prescribed pressure")
     } else if flow.is_some() && plan.has_tensors() {
         Some("here permeability is a tensor")
+    } else if flow.is_some() && plan.wells.iter().any(WellPlan::holds) {
+        Some("here a well holds a pressure")
     } else if corrected.contains(&Some(GradientChoice::DivergenceConsistent)) {
         Some("here the gradient is made divergence-consistent")
     } else if !straight {

@@ -15,7 +15,10 @@ mod width;
 pub use crate::geometry::generate::{Refinement, Segment};
 pub use crate::geometry::{Horizon, Influence, Shape};
 pub use crate::load::Load;
-pub use exact::{exact_displacement, exact_flux, exact_opening, exact_pressure, manufactured};
+pub use exact::{
+    exact_displacement, exact_flux, exact_opening, exact_pressure, exact_well_pressure,
+    manufactured,
+};
 pub use files::{FileError, PointTable, TableError, check_length, read_array};
 pub use lattice::lattice;
 pub use own::{ActsOn, Effect, OwnEffect, Points};
@@ -30,6 +33,6 @@ pub use types::{
     InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, Normalise, OperatorChoice, OutputPlan,
     PermeabilityPlan, Plan, Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure,
     SchemeChoice, SchemeOptions, SchemeStart, SideCondition, SolidMethod, StartPlan, StepRule,
-    Support, TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellPlan,
+    Support, TimeMode, TimePlan, TractionPlan, TransmissivityRule, WellDrive, WellPlan, Wellbore,
 };
 pub use width::{damage_width, ratio_warning, width_warning};

@@ -11,6 +11,7 @@
 //! | [`FiveSpotTransient`] | the way there from a uniform pressure |
 //! | [`TwoLayer`] | two layers in series, any contrast, steady and transient |
 //! | [`Theis`] | a line source in an unbounded plane |
+//! | [`TheisSeries`] | the same with a rate that changes over time |
 //! | [`Terzaghi`] | consolidation of a column under a load |
 //! | [`Mandel`] | a strip squeezed between rigid plates |
 //! | [`Manufactured`] | a smooth field in a box, with its source |
@@ -26,6 +27,7 @@ mod norms;
 mod sneddon;
 mod terzaghi;
 mod theis;
+mod theis_series;
 mod two_layer;
 mod two_point;
 
@@ -38,6 +40,7 @@ pub use norms::{ErrorNorms, Sample};
 pub use sneddon::Sneddon;
 pub use terzaghi::{Terzaghi, TerzaghiParameters};
 pub use theis::{Theis, TheisParameters};
+pub use theis_series::TheisSeries;
 pub use two_layer::{Layer, TwoLayer, TwoLayerParameters};
 pub use two_point::two_point_flow;
 

@@ -61,6 +61,21 @@ impl Theis {
         Ok(Self(parameters))
     }
 
+    /// r·κ⁻¹r S/4, s.
+    pub(super) fn argument(&self, position: &[f64]) -> f64 {
+        let [x, y] = [0, 1].map(|axis| coordinate(position, axis) - self.0.well[axis]);
+        let [xx, yy, xy] = self.0.shape;
+        let determinant = xx * yy - xy * xy;
+        let squared = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / determinant;
+        squared * self.0.storage / (4.0 * self.0.mobility)
+    }
+
+    /// 1/(4π √det κ), Pa s/m².
+    pub(super) fn scale(&self) -> f64 {
+        let [xx, yy, xy] = self.0.shape;
+        1.0 / (4.0 * PI * self.0.mobility * (xx * yy - xy * xy).sqrt())
+    }
+
     /// The parameters it was made from.
     #[must_use]
     pub fn parameters(&self) -> &TheisParameters {
@@ -76,24 +91,12 @@ impl ExactPressure for Theis {
     /// The initial pressure up to t = 0; infinite at the well afterwards. A third coordinate is
     /// ignored.
     fn pressure(&self, position: &[f64], time: f64) -> f64 {
-        let TheisParameters {
-            well,
-            rate,
-            mobility,
-            shape: [xx, yy, xy],
-            storage,
-            initial_pressure,
-            ..
-        } = &self.0;
+        let start = self.0.initial_pressure;
         if time <= 0.0 {
-            return *initial_pressure;
+            return start;
         }
-        let [x, y] = [0, 1].map(|axis| coordinate(position, axis) - well[axis]);
-        let determinant = xx * yy - xy * xy;
-        let squared = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / determinant;
-        let argument = squared * storage / (4.0 * mobility * time);
-        let scale = rate / (4.0 * PI * mobility * determinant.sqrt());
-        initial_pressure + scale * exponential_integral(argument)
+        let argument = self.argument(position) / time;
+        start + self.0.rate * self.scale() * exponential_integral(argument)
     }
 
     fn excluded(&self) -> Vec<Exclusion> {

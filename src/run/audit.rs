@@ -218,7 +218,8 @@ fn supply<const D: usize>(model: &Model<D>, state: &State, audit: Audit) -> Supp
     flow.rate(time, &mut rate);
     let sides = flow.walls.iter();
     let sides = sides.map(|wall| -wall.pressure.at(time) * wall.outflow(time, pressure).0);
-    supply.inflow = dot(&rate, pressure) + sides.sum::<f64>();
+    let wells = flow.wells.power(&flow.controls, time, pressure);
+    supply.inflow = dot(&rate, pressure) + sides.sum::<f64>() + wells;
     if !flow.fixed.is_empty() {
         let content = model.content(&state.displacement, &state.walls);
         flow.imbalance(time, pressure, &mut rate);

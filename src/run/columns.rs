@@ -1,7 +1,8 @@
 //! Columns of history.csv: what a scene does not name has none.
 //!
 //! Every heading ends in the unit. A plane is a slab of `geometry.thickness`; what leaves through a side is
-//! the rate at the time of the row, what leaves where a pressure is held is the mean over the step.
+//! the rate at the time of the row, and so is that of a well, what leaves where a pressure is held is the mean over the
+//! step.
 
 use crate::geometry::{Place, Side};
 use crate::model::{Faces, Model, MovingWall};
@@ -62,6 +63,14 @@ pub(super) fn exact_openings<const D: usize>(
     )
 }
 
+/// Headings of a well whose bottom-hole pressure is known.
+pub(super) fn of_well(well: &str) -> [String; 2] {
+    [
+        format!("well_rate_{well}_m3_per_s"),
+        format!("well_pressure_{well}_Pa"),
+    ]
+}
+
 /// Headings for a plan of dimension `D`.
 pub(super) fn names<const D: usize>(plan: &Plan) -> Vec<String> {
     let mut columns = FIRST.map(str::to_owned).to_vec();
@@ -89,6 +98,8 @@ pub(super) fn names<const D: usize>(plan: &Plan) -> Vec<String> {
     if plan.flow.is_some() {
         columns.extend(Side::all(D).map(|side| format!("outflow_{side}_m3_per_s")));
         columns.extend(held(plan).map(|name| format!("outflow_{name}_m3_per_s")));
+        let known = plan.wells.iter().filter(|well| well.bore.is_some());
+        columns.extend(known.flat_map(|well| of_well(&well.name)));
         let amount = match plan.time.mode {
             TimeMode::Transient => "m3",
             TimeMode::Steady => "m3_per_s",
@@ -162,6 +173,8 @@ pub(super) fn row<const D: usize>(
         let span = if dt > 0.0 { dt } else { 1.0 };
         let brought = |load| report.flows.held.get(load).copied().unwrap_or(0.0);
         row.extend((0..held(plan).count()).map(|load| -plan.thickness * brought(load) / span));
+        let wells = flow.wells_now(&state.pressure, state.time).into_iter();
+        row.extend(wells.flat_map(|now| [plan.thickness * now.rate, now.pressure]));
         row.extend([
             balance.injected,
             balance.fixed,

@@ -9,12 +9,12 @@ use super::columns::{exact_openings, openings};
 use super::summary::Name;
 use super::summary::units;
 use super::time_loop::{Effort, Run};
-use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors};
+use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors, WellReport};
 use crate::geometry::{Families, Side, Vector};
 use crate::model::FlowModel;
 use crate::plan::{
     CrackKind, Plan, ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux,
-    exact_pressure,
+    exact_pressure, exact_well_pressure,
 };
 use crate::reference::{ErrorNorms, ExactDisplacement};
 use crate::report::{Balance, Counters};
@@ -74,6 +74,7 @@ impl<const D: usize> Run<'_, D> {
             outflow: self.outflow().unwrap_or_default(),
             pressure_range: flow.map(|_| extremes(&self.state.pressure)),
             displacement_max: solid.map(|_| largest::<D>(&self.state.shown_displacement())),
+            wells: self.wells(),
             coupling: self.coupling(&counters),
             results: self.plan.damage.map(|_| {
                 let pumped = self.plan.thickness * self.balance.injected;
@@ -209,6 +210,27 @@ impl<const D: usize> Run<'_, D> {
         )
     }
 
+    /// Wells whose bottom-hole pressure is known, at the end.
+    fn wells(&self) -> BTreeMap<String, WellReport> {
+        let Some(flow) = &self.model.flow else {
+            return BTreeMap::new();
+        };
+        let now = flow.wells_now(&self.state.pressure, self.state.time);
+        let wells = flow.wells.iter().zip(now).zip(&self.state.wells);
+        let report = wells.map(|((well, now), state)| {
+            let report = WellReport {
+                rate: self.plan.thickness * now.rate,
+                pressure: now.pressure,
+                control: state.control.name().into(),
+                switches: state.switches,
+                index: self.plan.thickness * well.index,
+                equivalent_radius: well.equivalent_radius,
+            };
+            (well.name.clone(), report)
+        });
+        report.collect()
+    }
+
     /// Keeps the errors at this output.
     pub(super) fn record_errors(&mut self) {
         let errors = self.errors();
@@ -231,7 +253,11 @@ impl<const D: usize> Run<'_, D> {
     /// Errors of all fields of which the plan names an exact solution, now.
     fn errors(&self) -> BTreeMap<Name, FieldError> {
         let mut errors = BTreeMap::new();
+        if !self.state.is_unlimited() {
+            return errors;
+        }
         errors.extend(self.opening_error().map(|e| ("opening".into(), e)));
+        errors.extend(self.well_error().map(|e| ("well_pressure".into(), e)));
         let Ok(Some(exact)) = exact_pressure(self.plan) else {
             return errors;
         };
@@ -302,6 +328,23 @@ impl<const D: usize> Run<'_, D> {
         Some(norms.into())
     }
 
+    /// Error of the bottom-hole pressure of the well of which the plan names the exact one, relative to the largest change since
+    /// the start so far.
+    fn well_error(&self) -> Option<FieldError> {
+        let (exact, range) = exact_well_pressure(self.plan, self.state.time)?;
+        let flow = self.model.flow.as_ref()?;
+        let now = flow.wells_now(&self.state.pressure, self.state.time);
+        let off = (now.first()?.pressure - exact).abs();
+        Some(FieldError {
+            l2: off / range,
+            l2_over_norm: off / exact.abs(),
+            max: off / range,
+            range,
+            compared: 1,
+            excluded: 0,
+        })
+    }
+
     fn flux_error(&self) -> Option<FieldError> {
         let exact = exact_flux(self.plan)?;
         let right = self.outflow()?.get("right").copied()? / self.plan.thickness;
@@ -356,6 +399,11 @@ impl<const D: usize> Run<'_, D> {
         evaluations.extend(damage.map(|damage| ("damage", damage.evaluations())));
         let cracks = model.fracture_flow.as_ref();
         evaluations.extend(cracks.map(|cracks| ("aperture", cracks.evaluations())));
+        let wells = model
+            .flow
+            .as_ref()
+            .and_then(|flow| flow.wells.evaluations());
+        evaluations.extend(wells.map(|count| ("held-wells", count)));
         evaluations
     }
 

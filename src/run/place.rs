@@ -72,7 +72,13 @@ fn place(scene: &Scene, error: &ModelError) -> Option<Span> {
             _ => Some(scene.geometry.span),
         },
         ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
-        ModelError::Effect(EffectError::EmptyWell { name, .. }) => well(name),
+        ModelError::Effect(
+            EffectError::EmptyWell { name, .. } | EffectError::CrampedWell { name, .. },
+        ) => well(name),
+        ModelError::Effect(EffectError::WideHole { name, .. }) => {
+            let hole = scene.wells.get(name)?.wellbore_radius?;
+            Some(hole.span())
+        }
         ModelError::Effect(EffectError::EmptyInjection { name, .. }) => {
             Some(scene.cracks.get(name)?.injection.as_ref()?.at.span)
         }

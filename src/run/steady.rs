@@ -2,8 +2,10 @@
 
 use super::RunError;
 use super::time_loop::{Effort, Run};
+use crate::model::Model;
 use crate::schemes::{
-    self, Assembled, Fracture, SchemeCounters, SolidSolver, StepError, StepReport, solve_steady,
+    self, Assembled, Fracture, SchemeCounters, SolidSolver, State, StepError, StepReport,
+    solve_steady,
 };
 
 type Steady = (StepReport, SchemeCounters, Option<(String, String)>);
@@ -30,9 +32,13 @@ impl<const D: usize> Run<'_, D> {
     /// The drained state: flow first, then the solid under its pressure.
     fn steady_state(&mut self) -> Result<Steady, StepError> {
         let mut steady: Steady = (StepReport::default(), SchemeCounters::default(), None);
-        if let Some(flow) = &self.model.flow {
-            let (report, counters, chosen) =
-                solve_steady(flow, &self.plan.stage_demand(), &mut self.state)?;
+        if self.model.flow.is_some() {
+            let demand = self.plan.stage_demand();
+            let solve = |model: &Model<D>, state: &mut State| match &model.flow {
+                Some(flow) => solve_steady(flow, &demand, state),
+                None => Err(StepError::Missing { part: "[flow]" }),
+            };
+            let (report, counters, chosen) = self.settled(solve)?;
             steady = (report, counters, Some(chosen));
         }
         if let Some(solid) = &self.model.solid {

@@ -77,6 +77,9 @@ pub struct Summary {
     /// Largest displacement at the end, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement_max: Option<f64>,
+    /// Wells whose bottom-hole pressure is known, at the end.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub wells: BTreeMap<String, WellReport>,
     /// How strongly flow and mechanics feel each other, if both are there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<CouplingReport>,
@@ -109,6 +112,10 @@ pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<Name, Name> {
         ("outflow", "m^3/s"),
         ("pressure_range", "Pa"),
         ("displacement_max", "m"),
+        ("wells.NAME.rate", "m^3/s"),
+        ("wells.NAME.pressure", "Pa"),
+        ("wells.NAME.index", "m^3/(Pa s)"),
+        ("wells.NAME.equivalent_radius", "m"),
         ("coupling.consolidation", "m^2/s"),
         ("coupling.step_limit", "s"),
         ("results.peak_force_kN", "kN"),
@@ -126,6 +133,7 @@ pub(super) fn units(dimension: usize, mode: TimeMode) -> BTreeMap<Name, Name> {
         ("balance.work", "J"),
         ("timers", "s"),
         ("errors.pressure.range", "Pa"),
+        ("errors.well_pressure.range", "Pa"),
         ("errors.displacement.range", "m"),
         ("errors.opening.range", "m"),
         ("counters.bytes", "B"),
@@ -154,6 +162,27 @@ pub struct TimedErrors {
     /// Errors per field.
     #[serde(flatten)]
     pub errors: BTreeMap<Name, FieldError>,
+}
+
+/// A well whose bottom-hole pressure is known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WellReport {
+    /// Rate into the rock, for the whole plane as in the scene, m³/s.
+    #[serde(deserialize_with = "lenient")]
+    pub rate: f64,
+    /// Bottom-hole pressure, Pa.
+    #[serde(deserialize_with = "lenient")]
+    pub pressure: f64,
+    /// What it is held at: `given`, `pressure-min`, `pressure-max`, `rate-max`, or `shut`, where it would flow the other way.
+    pub control: Name,
+    /// How often that has changed.
+    pub switches: u32,
+    /// Index WI: rate per pascal between the bottom and the mean of the well's points, m³/(Pa s).
+    #[serde(deserialize_with = "lenient")]
+    pub index: f64,
+    /// Radius at which the exact pressure is that mean, m.
+    #[serde(deserialize_with = "lenient")]
+    pub equivalent_radius: f64,
 }
 
 /// Figures of the coupling.

@@ -180,6 +180,8 @@ impl<const D: usize> Taken<'_, D> {
                 Some(then) => self.model.with_cracks(then).coefficients(),
                 None => initial.coefficients,
             },
+            // Whether a limit is met the new scene decides.
+            wells: initial.wells,
             memory: initial.memory,
         })
     }

@@ -218,6 +218,7 @@ impl<const D: usize> Run<'_, D> {
         let started = timers.time("start", || scheme.start(&self.model, &mut self.state));
         started.map_err(|error| self.failed(error))?;
         self.follow_state();
+        self.settle_wells().map_err(|error| self.failed(error))?;
         // The start moves no fluid, but for what points of prescribed pressure take in.
         self.start_volume = Stored::of(&self.model, &self.state).parts;
         let scale = timers.time("range", || self.scale());
@@ -244,7 +245,7 @@ impl<const D: usize> Run<'_, D> {
             self.check_limits()?;
             let allowed = self.allowed(scheme).min(march.control.dt());
             let dt = clamp(allowed, stop.time - self.state.time);
-            let step = || scheme.step(&self.model, &self.state, dt, &mut trial);
+            let step = || self.step(scheme, dt, &mut trial);
             let outcome = timers.time("steps", step);
             let reached = stop.time - trial.time < 1e-9 * dt;
             if outcome.is_ok() && reached {
@@ -304,6 +305,7 @@ impl<const D: usize> Run<'_, D> {
         if let Some(coefficients) = &self.state.coefficients {
             self.model = self.model.with(coefficients);
         }
+        self.follow_wells();
     }
 
     /// Whether a sound step is to be done once more, which must change nothing.

@@ -48,10 +48,7 @@ impl<D: Dimension> Load<D> {
     /// The load per metre of thickness of a slab of `thickness` metres: what was typed for all of it, or
     /// as a bare number, is divided by it; what was typed per metre is not.
     pub fn per_thickness(&self, thickness: f64) -> crate::load::Load {
-        let share = |value: &Quantity<D>| match value.accepted() {
-            0 => value.value() / thickness,
-            _ => value.value(),
-        };
+        let share = |value: &Quantity<D>| value.per_thickness(thickness);
         match self {
             Self::Value(value) => crate::load::Load::constant(share(value)),
             Self::Time(series) => {

@@ -241,7 +241,16 @@ end = "10 s"
         assert_eq!(twice.scene.time.end.unwrap().value(), 30.0);
         assert_eq!(twice.scene.time.first_step.unwrap().value(), 0.5);
         assert_eq!(
-            twice.scene.wells.get("w").unwrap().rate.resolved().at(0.0),
+            twice
+                .scene
+                .wells
+                .get("w")
+                .unwrap()
+                .rate
+                .as_ref()
+                .unwrap()
+                .resolved()
+                .at(0.0),
             1e-6
         );
     }

@@ -61,6 +61,15 @@ impl<D> Quantity<D> {
         self.accepted
     }
 
+    /// The value per metre of thickness of a slab of `thickness` metres: what was typed for all of it, or as a
+    /// bare number, is divided by it; what was typed per metre is not.
+    pub fn per_thickness(&self, thickness: f64) -> f64 {
+        match self.accepted {
+            0 => self.value / thickness,
+            _ => self.value,
+        }
+    }
+
     /// Where it was typed; [`Span::NOWHERE`] for a default.
     pub const fn span(&self) -> Span {
         self.span

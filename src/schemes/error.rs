@@ -321,6 +321,18 @@ pub enum StepError {
         /// The step, s.
         dt: f64,
     },
+    /// A well finds no control that suits.
+    #[error(
+        "well \"{name}\" goes to and fro between its rate and its limit at t = {time:.6e} s: held at either the other \
+         one suits; take smaller steps (time.step, time.max_step), use time.integrator = \"backward-euler\", or change \
+         the limit"
+    )]
+    RestlessWell {
+        /// Name.
+        name: String,
+        /// Time, s.
+        time: f64,
+    },
     /// No steady state exists.
     #[error(
         "no steady state: the part of the domain around point {point} is sealed, and {net:.3e} m³/s \
@@ -365,6 +377,7 @@ impl StepError {
             | StepError::Unbalanced { .. }
             | StepError::Unsettled { .. }
             | StepError::LoosePlate
+            | StepError::RestlessWell { .. }
             | StepError::NoSteadyState { .. } => Rejection::Balance,
             StepError::NotFinite { .. }
             | StepError::Unstable { .. }

@@ -158,6 +158,7 @@ impl<const D: usize> ForwardEuler<D> {
             flow.rate(time, rate);
             let walls = flow.walls.iter();
             walls.for_each(|wall| wall.add_rate(time, &old.pressure, rate));
+            flow.add_well_inflow(time, &old.pressure, rate);
         }
         let mut change: Vec<f64> = (after.iter().zip(&before).zip(&self.storage))
             .map(|((after, before), storage)| (after - before) / storage.sqrt())
@@ -226,6 +227,10 @@ fn advance<const D: usize>(
             new[point] += dt * rate / storage[point]
         });
     }
+    flow.wells
+        .each_inflow((&flow.controls, time), old, |point, rate| {
+            new[point] += dt * rate / storage[point];
+        });
 }
 
 impl<const D: usize> ForwardEuler<D> {

@@ -32,6 +32,7 @@ const CONVERGED: f64 = 2e-4;
 
 /// Limit 2/λ_max of forward Euler for S ṗ = q − L p with the given storage per point, m^D/Pa.
 pub fn diffusion_limit<const D: usize>(flow: &FlowModel<D>, storage: &[f64]) -> StepLimit {
+    let flow = &*flow.stiffest();
     let (point, bound) = fastest_exchange(flow, storage);
     let largest = largest_eigenvalue(flow, storage).min(bound);
     at(flow, point, largest)

@@ -50,7 +50,7 @@ pub use relaxation::Relaxation;
 pub use solid::{Assembled, SolidSolver};
 pub use stage::{FlowStage, Stage, Target};
 pub use staggered::Staggered;
-pub use state::{Increment, State};
+pub use state::{Increment, State, WellState};
 pub use steady::solve_steady;
 pub use system::ImplicitSystem;
 pub use verlet::Verlet;

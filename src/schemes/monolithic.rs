@@ -22,7 +22,7 @@ use super::{
     Assembled, Increment, Memory, SchemeCounters, SolidSolver, State, StepError, StepReport,
     coupling_of, flow_of, solid_of,
 };
-use crate::model::{Drive, Model, SolidModel};
+use crate::model::{Control, Drive, Model, SolidModel};
 
 /// Stage that solves displacement and pressure together.
 pub struct Monolithic {
@@ -37,6 +37,8 @@ pub struct Monolithic {
     mechanics: Option<SolverCounters>,
     /// Row sums of L: conductance of each point to the sides of prescribed pressure.
     leak: Vec<f64>,
+    /// What the wells in the matrix are held at.
+    controls: Vec<Control>,
 }
 
 /// Residual, relative to its block's terms, that needs no further improvement.
@@ -81,6 +83,7 @@ impl Monolithic {
             kept: None,
             mechanics: None,
             leak: flow_of(model)?.leak(),
+            controls: flow_of(model)?.controls.clone(),
         })
     }
 
@@ -277,6 +280,11 @@ impl<const D: usize> Stage<D> for Monolithic {
     }
 
     fn prepare(&mut self, model: &Model<D>, a: f64) -> Result<(), StepError> {
+        let flow = flow_of(model)?;
+        if self.controls != flow.controls {
+            self.controls.clone_from(&flow.controls);
+            (self.coefficient, self.leak) = (None, flow.leak());
+        }
         let a = kept_if_same(self.kept, a);
         let is_current = |own: f64| own.to_bits() == a.to_bits();
         if self.coefficient.is_some_and(is_current) {
@@ -284,7 +292,6 @@ impl<const D: usize> Stage<D> for Monolithic {
         }
         self.coefficient = None;
         self.solver.begin_anew();
-        let flow = flow_of(model)?;
         model.timers.time("assembly", || self.block.fill(flow, a));
         self.solver.refresh(self.block.matrix.view())?;
         self.build_border(solid_of(model)?)?;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Memory, StepError};
-use crate::model::{Coefficients, Fields, Model};
+use crate::model::{Coefficients, Control, Fields, Model};
 
 /// Fields of a run at one time. A field that the scene does not call for is empty.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -32,8 +32,19 @@ pub struct State {
     pub datum_walls: Vec<f64>,
     /// Coefficients of flow as they followed what broke; only with flow in fractures.
     pub coefficients: Option<Arc<Coefficients>>,
+    /// What wells are held at whose bottom-hole pressure is known, and how often that has changed; empty without such wells.
+    pub wells: Vec<WellState>,
     /// What the scheme carries over to the next step.
     pub memory: Memory,
+}
+
+/// What a well is held at.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WellState {
+    /// What it is held at now.
+    pub control: Control,
+    /// How often that has changed in accepted steps.
+    pub switches: u32,
 }
 
 /// Change of pressure, displacement and walls.
@@ -52,6 +63,16 @@ fn since<'a>(values: &'a [f64], datum: &[f64]) -> Cow<'a, [f64]> {
     match datum.is_empty() {
         true => Cow::Borrowed(values),
         false => Cow::Owned(values.iter().zip(datum).map(|(v, d)| v - d).collect()),
+    }
+}
+
+impl WellState {
+    /// That of a control that has not changed yet.
+    fn of(control: &Control) -> Self {
+        WellState {
+            control: *control,
+            switches: 0,
+        }
     }
 }
 
@@ -79,7 +100,35 @@ impl State {
             datum: Vec::new(),
             datum_walls: Vec::new(),
             coefficients: model.coefficients(),
+            wells: model
+                .flow
+                .iter()
+                .flat_map(|flow| &flow.controls)
+                .map(WellState::of)
+                .collect(),
             memory: Memory::default(),
+        }
+    }
+
+    /// What the wells are held at.
+    pub fn controls(&self) -> Vec<Control> {
+        self.wells.iter().map(|well| well.control).collect()
+    }
+
+    /// Whether no limit of a well was ever met: exact solutions know of none.
+    pub fn is_unlimited(&self) -> bool {
+        let given = |well: &WellState| well.control == Control::Given && well.switches == 0;
+        self.wells.iter().all(given)
+    }
+
+    /// Holds the wells at what these controls say. What the scheme remembers of the rates at the end of the last step is then
+    /// no longer so.
+    pub fn set_controls(&mut self, controls: &[Control]) {
+        for (well, control) in self.wells.iter_mut().zip(controls) {
+            if well.control != *control {
+                (well.control, well.switches) = (*control, well.switches + 1);
+                self.memory.imbalance = None;
+            }
         }
     }
 

@@ -64,7 +64,7 @@ pub fn solve_steady<const D: usize>(
     Ok((report, counters, system.chosen().clone()))
 }
 
-/// Connected parts without any prescribed pressure, each a list of points.
+/// Connected parts without any prescribed pressure, on a side, at points or in a well, each a list of points.
 fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
     let mut anchored = vec![false; flow.points()];
     flow.fixed
@@ -73,6 +73,7 @@ fn sealed_parts<const D: usize>(flow: &FlowModel<D>) -> Vec<Vec<u32>> {
     flow.walls
         .iter()
         .flat_map(BoundaryPlane::points)
+        .chain(flow.wells.held_points(&flow.controls))
         .for_each(|point| anchored[point] = true);
     let label = labels(flow);
     let mut parts: BTreeMap<u32, Vec<u32>> = BTreeMap::new();

@@ -4,7 +4,7 @@ use perifrac_solvers::{
     Coordinates, Demand, LinearSolver, Problem, SolveError, SolverCounters, Symmetry, multiply,
 };
 
-use crate::model::FlowModel;
+use crate::model::{Control, FlowModel};
 
 use super::solid::{Chosen, build_solver, ratio};
 use super::{Memory, StepError, StepReport};
@@ -16,6 +16,8 @@ pub struct ImplicitSystem {
     chosen: Chosen,
     values: Vec<f64>,
     coefficient: Option<f64>,
+    /// What the wells in the matrix are held at.
+    controls: Vec<Control>,
     /// Coefficient at the start of the step, which stays as long as it is wanted.
     kept: Option<f64>,
     /// Whether preconditioners may lag behind until [`ImplicitSystem::begin_anew`].
@@ -81,6 +83,7 @@ impl ImplicitSystem {
             chosen,
             values,
             coefficient: None,
+            controls: flow.controls.clone(),
             kept: None,
             lags: false,
             storage: vec![0.0; flow.points()],
@@ -142,6 +145,7 @@ impl ImplicitSystem {
         a: f64,
         ground: &[usize],
     ) -> Result<(), SolveError> {
+        self.follow_wells(flow);
         let a = kept_if_same(self.kept, a);
         let is_current = |own: f64| own.to_bits() == a.to_bits();
         if ground.is_empty() && self.coefficient.is_some_and(is_current) {
@@ -155,6 +159,15 @@ impl ImplicitSystem {
         self.solver.refresh(flow.view(&self.values))?;
         self.coefficient = Some(a);
         Ok(())
+    }
+
+    /// Fills the matrix anew where wells are held at something else than in it.
+    fn follow_wells<const D: usize>(&mut self, flow: &FlowModel<D>) {
+        if self.controls != flow.controls {
+            self.controls.clone_from(&flow.controls);
+            self.coefficient = None;
+            self.leak = flow.leak();
+        }
     }
 
     /// Sets the values to those of S + a L.

@@ -322,11 +322,29 @@ error: `at` lies outside the domain
             name: "a well without a rate",
             change: &[("[time]", "[wells.a]\nat = [0.5, 0.5]\n[time]")],
             stderr: r#"
-error: `rate` is missing
-  --> scene.toml:15:1
+error: a well needs `rate` or `pressure`
+  --> scene.toml:15:8
    |
 15 | [wells.a]
-   | ^^^^^^^^^
+   |        ^
+   |
+   = help: rate = "1e-4 m^3/s" injects, and below zero produces
+"#,
+            ..FAULT
+        },
+        Fault {
+            name: "a hole as wide as a cell",
+            arguments: &["check", "scene.toml"],
+            change: &[(
+                "[time]",
+                "[wells.a]\nat = [0.5, 0.5]\npressure = 1\nwellbore_radius = \"10 m\"\n[time]",
+            )],
+            stderr: r#"
+error: well "a": with a hole of 1.000e1 m and a skin of 0 nothing is left between the bottom and the points, which tell the pressure at 1.319e-1 m from the well; set a smaller wellbore_radius, a greater skin, or coarsen the cloud
+  --> scene.toml:18:19
+   |
+18 | wellbore_radius = "10 m"
+   |                   ^^^^^^
 "#,
             ..FAULT
         },

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::Place;
 
-const CASES: [&str; 32] = [
+const CASES: [&str; 33] = [
     "five-spot",
     "two-layer",
     "channel",
@@ -14,6 +14,7 @@ const CASES: [&str; 32] = [
     "reservoir-3d",
     "theis",
     "anisotropic",
+    "well-test",
     "terzaghi",
     "terzaghi-graded",
     "terzaghi-tensor",

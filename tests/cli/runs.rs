@@ -186,3 +186,32 @@ fn a_sound_scene_has_no_faults() {
     );
     assert_eq!(place.list(""), ["base.toml", "scene.toml"]);
 }
+
+#[test]
+fn rate_and_bottom_hole_pressure_of_a_well_are_columns_of_the_history() {
+    let place = Place::new();
+    let set = "geometry.points=[20, 20]";
+    place.succeed(&["run", "well-test/limited", "--set", set, "--out", "out"]);
+    let text = String::from_utf8(place.read("out/history.csv")).unwrap();
+    let heading: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| heading.iter().position(|own| *own == name).unwrap();
+    let columns = ["well_rate_well_m3_per_s", "well_pressure_well_Pa", "time_s"].map(column);
+    let rows = text.lines().skip(1).map(|line| {
+        let values: Vec<f64> = line.split(',').map(|v| v.parse().unwrap()).collect();
+        columns.map(|k| values[k])
+    });
+    let rows: Vec<[f64; 3]> = rows.collect();
+    let asked = -100.0 / 86_400.0;
+    assert!((rows[0][0] / asked - 1.0).abs() < 1e-12);
+    assert!(
+        rows.iter()
+            .all(|[rate, bottom, _]| *rate >= asked * (1.0 + 1e-12) && *bottom >= 17.8e6 - 1.0)
+    );
+    let held = rows.iter().filter(|[_, bottom, _]| *bottom <= 17.8e6);
+    assert!(held.clone().count() > 5);
+    assert!(
+        held.clone()
+            .all(|[rate, ..]| *rate > asked && *rate < 0.9 * asked)
+    );
+    assert!(rows.last().unwrap()[0].abs() <= 0.0);
+}

@@ -54,11 +54,16 @@ const TRIPLES: u64 = 400;
 const SEED: u64 = 7;
 
 /// What a scene says to ask for a feature, where that depends on no other.
-const WORDS: [(Feature, &str); 19] = [
+const WORDS: [(Feature, &str); 20] = [
     (Feature::HydrostaticStart, "flow.hydrostatic_start=true"),
     (
         Feature::Wells,
         "wells.w={at = [0.4, 0.4], rate = \"1e-9 m^2/s\"}",
+    ),
+    // Far from the sides, for oblique rock too.
+    (
+        Feature::KnownWells,
+        "wells.w={at = [0.5, 0.5], rate = \"1e-9 m^2/s\", radius = 0.14, wellbore_radius = 1e-3}",
     ),
     (Feature::PathOperator, "flow.operator=path"),
     (

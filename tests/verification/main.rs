@@ -17,6 +17,7 @@ mod five_spot;
 mod fluid_lag;
 mod fourier;
 mod gravity;
+mod held_wells;
 mod incompressible;
 mod initial;
 mod laminate;

@@ -133,6 +133,12 @@ const CASES: &[(&str, &[&str])] = &[
             "time.end=20 s",
         ],
     ),
+    // A well that goes over to its limit and back.
+    ("well-test/limited", &["geometry.points=[24, 24]"]),
+    (
+        "well-test/limited",
+        &["geometry.points=[24, 24]", "scheme.name=explicit"],
+    ),
 ];
 
 fn loaded((case, overrides): (&str, &[&str])) -> LoadedScene {

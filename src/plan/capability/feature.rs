@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::material::DamageModel;
 use crate::plan::types::{
     CrackKind, DamagePlan, GradientChoice, Integrator, InterfaceChoice, OperatorChoice, Plan,
-    SideCondition, TimeMode,
+    SideCondition, TimeMode, WellPlan,
 };
 
 /// One thing that a plan may ask for: an effect, an option of one, or the way of the run.
@@ -23,6 +23,8 @@ pub enum Feature {
     PermeabilityTensor,
     /// Wells.
     Wells,
+    /// Wells whose bottom-hole pressure is known, which may be held at one.
+    KnownWells,
     /// Gravity.
     Gravity,
     /// Deformation.
@@ -78,13 +80,14 @@ pub type Features = BTreeSet<Feature>;
 
 impl Feature {
     /// All of them, in the order of the table.
-    pub const ALL: [Feature; 30] = [
+    pub const ALL: [Feature; 31] = [
         Feature::Flow,
         Feature::HydrostaticStart,
         Feature::HydrostaticSide,
         Feature::PathOperator,
         Feature::PermeabilityTensor,
         Feature::Wells,
+        Feature::KnownWells,
         Feature::Gravity,
         Feature::Mechanics,
         Feature::Dynamic,
@@ -120,6 +123,7 @@ impl Feature {
             Feature::PathOperator => "flow.operator = \"path\"",
             Feature::PermeabilityTensor => "materials.NAME.permeability.k1",
             Feature::Wells => "[wells]",
+            Feature::KnownWells => "wells.NAME.wellbore_radius",
             Feature::Gravity => "[gravity]",
             Feature::Mechanics => "[mechanics]",
             Feature::Dynamic => "mechanics.mode = \"dynamic\"",
@@ -162,6 +166,7 @@ impl Feature {
             | Feature::InitialStress
             | Feature::ConsistentGradient
             | Feature::Layers => &[Feature::Mechanics],
+            Feature::KnownWells => &[Feature::Wells],
             Feature::InitialField => &[Feature::InitialStress],
             Feature::MixedRock => &[Feature::Damage],
             Feature::UndrainedStart | Feature::Stabilisation => &[Feature::Coupling],
@@ -178,6 +183,7 @@ pub fn features(plan: &Plan, processes: usize) -> Features {
     let asked = [
         (Feature::Gravity, plan.gravity.is_some()),
         (Feature::Wells, !plan.wells.is_empty()),
+        (Feature::KnownWells, plan.wells.iter().any(knows)),
         (Feature::Damage, plan.damage.is_some()),
         (Feature::MixedRock, plan.damage.as_ref().is_some_and(mixes)),
         (Feature::FractureFlow, plan.fracture_flow.is_some()),
@@ -196,6 +202,10 @@ pub fn features(plan: &Plan, processes: usize) -> Features {
 
 fn mixes(damage: &DamagePlan) -> bool {
     damage.model == DamageModel::Paper
+}
+
+fn knows(well: &WellPlan) -> bool {
+    well.bore.is_some()
 }
 
 fn of_flow(plan: &Plan) -> Vec<Feature> {

@@ -291,6 +291,11 @@ pub static RULES: &[Rule] = &[
             "set time.integrator = \"backward-euler\", or leave it out",
         )
     },
+    refuse(
+        &[KnownWells, Damage],
+        "no index of a well is known where rock breaks",
+        "leave out wellbore_radius and hold the well at a `rate`, or leave out [damage]",
+    ),
     Rule {
         also: Some((Place::Of(Steady), "steady here")),
         ..refuse(
@@ -382,6 +387,11 @@ pub static RULES: &[Rule] = &[
             "start it without mpirun",
         )
     },
+    refuse(
+        &[Processes, KnownWells],
+        "wells whose bottom-hole pressure is known work in one process",
+        "start it without mpirun, or leave out wellbore_radius",
+    ),
     refuse(
         &[Processes, Damage],
         "damage works in one process",

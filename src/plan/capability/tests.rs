@@ -86,6 +86,29 @@ fn effects_have_something_to_act_on() {
 }
 
 #[test]
+fn wells_of_known_pressure_stand_in_rock_that_stays_whole() {
+    let hole = ["wells.injector.wellbore_radius=\"1 cm\""];
+    assert_eq!(faults(SOUND, &hole), []);
+    let loaded = load_str(
+        "case.toml",
+        SOUND,
+        Path::new("cases"),
+        &hole.map(str::to_owned),
+    );
+    let Err(errors) = resolve_for(&loaded.unwrap(), "case", 2) else {
+        panic!("it works in one process only");
+    };
+    let message = &errors.diagnostics[0].message;
+    assert_eq!(
+        message,
+        "wells whose bottom-hole pressure is known work in one process"
+    );
+    let well = "wells.w={at = [0.5, 0.5], pressure = 1, wellbore_radius = 1e-3}";
+    let found = messages(PUMPED, &[well]);
+    assert_eq!(found, ["no index of a well is known where rock breaks"]);
+}
+
+#[test]
 fn coupling_joins_flow_and_mechanics() {
     let uncoupled = cut_out("[coupling]", "[time]");
     let expected = "flow and mechanics without [coupling] would not feel each other";

@@ -2,8 +2,10 @@
 
 mod fracture;
 mod poroelastic;
+mod well;
 
 pub use fracture::exact_opening;
+pub use well::exact_well_pressure;
 
 use super::types::{
     GeometryPlan, MaterialPlan, PermeabilityPlan, Plan, ReferenceKind, SideCondition, TimeMode,
@@ -12,7 +14,7 @@ use super::types::{
 use crate::geometry::{Shape, Side};
 use crate::reference::{
     Axis, Ends, ExactDisplacement, ExactPressure, FiveSpot, FiveSpotTransient, InjectorCorner,
-    Layer, Manufactured, Theis, TheisParameters, TimeFactor, TwoLayer, TwoLayerParameters,
+    Layer, Manufactured, TimeFactor, TwoLayer, TwoLayerParameters,
 };
 
 /// The exact pressure the plan names, if any.
@@ -29,7 +31,7 @@ pub fn exact_pressure(plan: &Plan) -> Result<Option<Box<dyn ExactPressure>>, Str
             TimeMode::Transient => Box::new(five_spot_transient(plan)?),
         },
         ReferenceKind::TwoLayer => Box::new(two_layer(plan)?),
-        ReferenceKind::Theis => Box::new(theis(plan)?),
+        ReferenceKind::Theis => well::theis(plan)?,
         ReferenceKind::Manufactured => match manufactured(plan)? {
             Some(solution) => Box::new(solution),
             None => return Ok(None),
@@ -220,38 +222,6 @@ fn interface(material: &MaterialPlan) -> Option<(f64, bool)> {
     }
 }
 
-fn theis(plan: &Plan) -> Result<Theis, String> {
-    let (permeability, shape, storage) = match plan.materials.as_slice() {
-        [
-            MaterialPlan {
-                permeability: Some(PermeabilityPlan::Tensor { largest, shape }),
-                storage,
-                ..
-            },
-        ] => (*largest, *shape, *storage),
-        _ => {
-            let (mobility, storage) = uniform(plan)?;
-            (mobility * plan.fluid.viscosity, [1.0, 1.0, 0.0], storage)
-        }
-    };
-    require(plan.dimension == 2, "the Theis solution is for the plane")?;
-    let [well] = plan.wells.as_slice() else {
-        return Err("the Theis solution needs exactly one well".to_owned());
-    };
-    let (_, size) = domain(plan)?;
-    let default = 0.05 * size.iter().copied().fold(f64::INFINITY, f64::min);
-    Theis::new(TheisParameters {
-        well: [well.at[0], well.at[1]],
-        rate: constant(well)?,
-        mobility: permeability / plan.fluid.viscosity,
-        shape,
-        storage,
-        initial_pressure: plan.flow.as_ref().map_or(0.0, |flow| flow.initial_pressure),
-        excluded_radius: plan.reference.and_then(|r| r.exclude).unwrap_or(default),
-    })
-    .map_err(text)
-}
-
 fn require(condition: bool, message: &str) -> Result<(), String> {
     if condition {
         Ok(())
@@ -282,11 +252,9 @@ fn permeability(material: &MaterialPlan) -> Result<f64, String> {
 }
 
 fn constant(well: &WellPlan) -> Result<f64, String> {
-    require(
-        well.rate.is_constant(),
-        "this reference needs constant well rates",
-    )?;
-    Ok(well.rate.at(0.0))
+    let rate = well.rate().filter(|rate| rate.is_constant());
+    rate.map(|rate| rate.at(0.0))
+        .ok_or_else(|| "this reference needs constant well rates".to_owned())
 }
 
 fn domain(plan: &Plan) -> Result<(Vec<f64>, Vec<f64>), String> {

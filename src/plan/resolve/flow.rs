@@ -1,7 +1,9 @@
 //! Flow and what drives it.
 
-use crate::plan::types::{FlowPlan, GravityPlan, RegionPressure, SideCondition, WellPlan};
-use crate::scene::quantity::values;
+use crate::plan::types::{
+    FlowPlan, GravityPlan, RegionPressure, SideCondition, WellDrive, WellPlan, Wellbore,
+};
+use crate::scene::quantity::{Pressure, values};
 use crate::scene::{self, Condition};
 
 pub(super) fn flow_plan(flow: &scene::Flow, scene: &scene::Scene) -> FlowPlan {
@@ -46,11 +48,35 @@ pub(super) fn gravity(gravity: &scene::Gravity) -> GravityPlan {
 }
 
 pub(super) fn wells(scene: &scene::Scene, thickness: f64) -> Vec<WellPlan> {
-    let well = |entry: &scene::Entry<scene::Well>| WellPlan {
-        name: entry.name.clone(),
-        at: values(&entry.value.at),
-        rate: entry.value.rate.per_thickness(thickness),
-        radius: entry.value.radius.map(|radius| radius.value()),
+    let well = |entry: &scene::Entry<scene::Well>| {
+        let own = &entry.value;
+        Some(WellPlan {
+            name: entry.name.clone(),
+            at: values(&own.at),
+            drive: drive(own, thickness)?,
+            radius: own.radius.map(|radius| radius.value()),
+            bore: own.wellbore_radius.map(|radius| Wellbore {
+                radius: radius.value(),
+                skin: own.skin.map_or(0.0, |skin| skin.value()),
+            }),
+        })
     };
-    scene.wells.iter().map(well).collect()
+    scene.wells.iter().filter_map(well).collect()
+}
+
+/// What a well is held at; a scene without faults tells exactly one of rate and pressure.
+fn drive(well: &scene::Well, thickness: f64) -> Option<WellDrive> {
+    let limit = |pressure: Option<Pressure>| pressure.map(|own| own.value());
+    let rate = well.rate.as_ref().map(|rate| WellDrive::Rate {
+        rate: rate.per_thickness(thickness),
+        pressure_min: limit(well.pressure_min),
+        pressure_max: limit(well.pressure_max),
+    });
+    let pressure = || {
+        Some(WellDrive::Pressure {
+            pressure: well.pressure.as_ref()?.resolved(),
+            rate_max: well.rate_max.map(|most| most.per_thickness(thickness)),
+        })
+    };
+    rate.or_else(pressure)
 }

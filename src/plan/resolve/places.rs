@@ -44,6 +44,13 @@ fn places(scene: &Scene, feature: Feature) -> Vec<Span> {
         Feature::Damage | Feature::MixedRock => section(&scene.damage),
         Feature::FractureFlow => section(&scene.fracture_flow),
         Feature::Wells => vec![scene.wells.span],
+        Feature::KnownWells => {
+            let holes = scene
+                .wells
+                .iter()
+                .filter_map(|own| own.value.wellbore_radius);
+            holes.map(|hole| hole.span()).collect()
+        }
         Feature::Steady => vec![scene.time.mode.span],
         Feature::TrBdf2 => vec![scene.time.integrator.span],
         Feature::Processes => Vec::new(),

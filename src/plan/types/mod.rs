@@ -6,6 +6,7 @@ mod initial;
 mod material;
 mod mechanics;
 mod scheme;
+mod well;
 
 use std::path::PathBuf;
 
@@ -26,6 +27,7 @@ pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{
     Acceleration, AdrDamping, Integrator, SchemeChoice, SchemeOptions, SchemeStart, SolidMethod,
 };
+pub use well::{WellDrive, WellPlan, Wellbore};
 
 use super::Load;
 use super::OwnEffect;
@@ -272,19 +274,6 @@ pub struct RegionPressure {
 pub struct GravityPlan {
     /// Acceleration, m/s².
     pub acceleration: Vec<f64>,
-}
-
-/// A well (Eqs. 77 and 78).
-#[derive(Debug, Clone)]
-pub struct WellPlan {
-    /// Name in the scene.
-    pub name: String,
-    /// Position, m.
-    pub at: Vec<f64>,
-    /// Full-plane injection rate, m³/s; m²/s per metre of thickness in 2-D.
-    pub rate: Load,
-    /// Radius λ, m; `None` for Eq. 77.
-    pub radius: Option<f64>,
 }
 
 /// Time.

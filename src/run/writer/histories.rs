@@ -71,19 +71,28 @@ fn series<'a>(curves: &'a [Curve], x: &'a [f64]) -> Vec<Series<'a>> {
     curves.iter().map(line).collect()
 }
 
-/// Pressures at the probes; without probes the extremes.
+/// Pressures at the probes, without probes the extremes, and those at the bottoms of wells.
 fn pressures(plan: &Plan, history: &Table) -> Vec<Curve> {
     let named = |(label, column): (&str, &str)| Some((label.to_owned(), history.column(column)?));
+    let wells = plan.wells.iter().filter_map(|well| {
+        let [_, pressure] = columns::of_well(&well.name);
+        named((&format!("bottom of {}", well.name), &pressure))
+    });
     if plan.output.probes.is_empty() {
         let extremes = [
             ("smallest", "pressure_min_Pa"),
             ("largest", "pressure_max_Pa"),
         ];
-        return extremes.into_iter().filter_map(named).collect();
+        return extremes
+            .into_iter()
+            .filter_map(named)
+            .chain(wells)
+            .collect();
     }
     let names = plan.output.probes.iter().map(|probe| &probe.name);
     names
         .filter_map(|name| named((name, &columns::pressure_at(name))))
+        .chain(wells)
         .collect()
 }
 

@@ -132,14 +132,16 @@ impl Profiles {
         Ok(())
     }
 
-    /// Time at which the exact solution is comparable, if it is: one that is steady only, at the end.
+    /// Time at which the exact solution is comparable, if it is: one that is steady only, at the end; none once a limit of a well was
+    /// met.
     fn exact_time(&self, plan: &Plan, state: &State) -> Option<f64> {
         if plan.time.mode == TimeMode::Steady {
             return Some(f64::INFINITY);
         }
         let pressure = self.exact.pressure.as_ref();
         let steady_only = pressure.is_some_and(|exact| exact.steady_only());
-        (!steady_only || self.seen == self.outputs).then_some(state.time)
+        let comparable = !steady_only || self.seen == self.outputs;
+        (comparable && state.is_unlimited()).then_some(state.time)
     }
 
     /// Draws the profiles, one drawing per field.

@@ -127,6 +127,74 @@ fn well_rules() {
 }
 
 #[test]
+fn rules_of_wells_that_are_held_at_a_pressure() {
+    let rate = "rate = \"1e-6 m^2/s\"\n";
+    check(&[
+        (rate, "", "a well needs `rate` or `pressure`", "injector"),
+        (
+            rate,
+            "rate = 1\npressure = 7\nwellbore_radius = 1e-3\n",
+            "`rate` excludes `pressure`",
+            "7",
+        ),
+        (
+            rate,
+            "pressure = \"1 MPa\"\n",
+            "`pressure` needs `wellbore_radius`",
+            "\"1 MPa\"",
+        ),
+        (
+            rate,
+            "rate = 1\nskin = 3\n",
+            "`skin` needs `wellbore_radius`",
+            "3",
+        ),
+        (
+            rate,
+            "rate = 1\nwellbore_radius = 0\n",
+            "`wellbore_radius` must be positive",
+            "0",
+        ),
+        (
+            rate,
+            "pressure = 7\nwellbore_radius = 1e-3\npressure_min = 5\n",
+            "`pressure_min` limits a `rate`, not a `pressure`",
+            "5",
+        ),
+        (
+            rate,
+            "rate = 7\nwellbore_radius = 1e-3\nrate_max = 5\n",
+            "`rate_max` limits a `pressure`, not a `rate`",
+            "5",
+        ),
+        (
+            rate,
+            "rate = 7\nwellbore_radius = 1e-3\npressure_min = 5\n",
+            "`pressure_min` limits the pressure of a producer, and `rate` is never below zero",
+            "5",
+        ),
+        (
+            rate,
+            "rate = -7\nwellbore_radius = 1e-3\npressure_max = 5\n",
+            "`pressure_max` limits the pressure of an injector, and `rate` is never above zero",
+            "5",
+        ),
+        (
+            rate,
+            "rate = { time = [0, 1], value = [-1, 1] }\nwellbore_radius = 1e-3\npressure_min = 5\npressure_max = 4\n",
+            "`pressure_max` must be greater than `pressure_min`",
+            "4",
+        ),
+        (
+            rate,
+            "pressure = 7\nwellbore_radius = 1e-3\nrate_max = -5\n",
+            "`rate_max` must be positive",
+            "-5",
+        ),
+    ]);
+}
+
+#[test]
 fn reference_rules() {
     let with = |set: &[&str]| faults(SOUND, set);
     let found = with(&["reference.type=five-spot"]);
