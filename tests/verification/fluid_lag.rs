@@ -89,7 +89,7 @@ fn a_crack_closes_on_fluid_that_boils_at_a_lower_pressure() {
     };
     let ((fluid, void), lowest) = opened("0 Pa");
     let ((half_fluid, half_void), half_lowest) = opened("-0.5 MPa");
-    assert_eq!((lowest, half_lowest), (0.0, -0.5e6));
+    assert!(lowest.abs() < 1e-9 && half_lowest == -0.5e6, "{lowest} {half_lowest}");
     let ratio = (half_fluid + half_void) / (fluid + void);
     assert!((ratio - 0.5).abs() < 5e-3, "{ratio}");
 }
