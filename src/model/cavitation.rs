@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use super::crack_flow::CrackFlow;
 use super::{FractureFlow, Model};
+use crate::operators::Response;
 
 /// Volume without fluid of the points of cracks that hold any, m^D.
 pub type Voids = BTreeMap<u32, f64>;
@@ -69,6 +70,20 @@ impl<const D: usize> Model<D> {
         if let Some(cracks) = self.cracks_mut() {
             cracks.settle(left);
         }
+    }
+
+    /// Fluid that points of cracks would owe, voids larger than all that is open there, m^D, and the point that owes most;
+    /// `None` if none does.
+    pub fn overdrawn(&self, response: &Response<D>) -> Option<(f64, usize)> {
+        let cracks = self.cracks().filter(|cracks| !cracks.voids.is_empty())?;
+        // What is open there, less the void.
+        let fluid = self.crack_content(Some(response));
+        let owed = cracks.voids.keys().map(|i| *i as usize);
+        let owed: Vec<usize> = owed.filter(|i| fluid[*i] < 0.0).collect();
+        let most = owed
+            .iter()
+            .min_by(|a, b| fluid[**a].total_cmp(&fluid[**b]))?;
+        Some((-owed.iter().map(|i| fluid[*i]).sum::<f64>(), *most))
     }
 
     /// Points of cracks that hold voids: their pressure is that at which fluid boils.

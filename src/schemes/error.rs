@@ -180,6 +180,19 @@ pub enum StepError {
         /// Growth that is allowed.
         most: f64,
     },
+    /// More fluid leaves a crack than it holds.
+    #[error(
+        "more fluid leaves the crack at {at:.4?} m than it holds: {owed:.1e} of what moves in the step to t = {time:.6e} s; \
+         pump less out of it, or raise fluid.cavitation_pressure"
+    )]
+    Emptied {
+        /// Time, s.
+        time: f64,
+        /// Place of the point that lacks most, m.
+        at: Vec<f64>,
+        /// Fluid that is owed over what is in cracks and moves in the step.
+        owed: f64,
+    },
     /// Fluid in a crack would boil where the scheme knows no voids.
     #[error(
         "the pressure in a crack falls to {pressure:.3e} Pa in the step to t = {time:.6e} s, below \
@@ -370,6 +383,7 @@ impl StepError {
             StepError::NotBroken { .. }
             | StepError::Owed { .. }
             | StepError::Boils { .. }
+            | StepError::Emptied { .. }
             | StepError::CouplingDiverged { .. }
             | StepError::CouplingUnstable { .. }
             | StepError::FractureUnstable { .. } => Rejection::Coupling,
@@ -401,6 +415,7 @@ impl StepError {
                 | StepError::Missing { .. }
                 | StepError::Refused(_)
                 | StepError::LoosePlate
+                | StepError::Emptied { .. }
         )
     }
 }

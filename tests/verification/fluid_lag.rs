@@ -2,7 +2,7 @@
 
 use perifrac::run::Summary;
 
-use crate::support::run_text;
+use crate::support::{plan_of, run_text, try_run};
 
 /// A crack of 1 m in the middle of a block (a quarter of it is computed) that is pulled within 0.1 s by 1 MPa,
 /// while fluid without friction is pumped into it.
@@ -89,7 +89,10 @@ fn a_crack_closes_on_fluid_that_boils_at_a_lower_pressure() {
     };
     let ((fluid, void), lowest) = opened("0 Pa");
     let ((half_fluid, half_void), half_lowest) = opened("-0.5 MPa");
-    assert!(lowest.abs() < 1e-9 && half_lowest == -0.5e6, "{lowest} {half_lowest}");
+    assert!(
+        lowest.abs() < 1e-9 && half_lowest == -0.5e6,
+        "{lowest} {half_lowest}"
+    );
     let ratio = (half_fluid + half_void) / (fluid + void);
     assert!((ratio - 0.5).abs() < 5e-3, "{ratio}");
 }
@@ -157,4 +160,16 @@ fn water_is_pumped_into_tight_rock_whose_pores_draw() {
     let (long, short) = (length(&["time.end=0.2 s"]), length(&short));
     let apart = (long - short).abs() / (short - start);
     assert!(apart < 0.15, "{long} {short} {start}");
+}
+
+/// A crack gives no more than it has.
+#[test]
+fn an_empty_crack_gives_no_fluid() {
+    let out = "cracks.main.injection.rate=-1e-5 m^2/s";
+    let plan = plan_of(TIGHT, &[out, "time.end=20 ms"]);
+    let refused = try_run(&plan).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        refused.contains("more fluid leaves the crack at"),
+        "{refused}"
+    );
 }
