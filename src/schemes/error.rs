@@ -183,7 +183,7 @@ pub enum StepError {
     /// More fluid leaves a crack than it holds.
     #[error(
         "more fluid leaves the crack at {at:.4?} m than it holds: {owed:.1e} of what moves in the step to t = {time:.6e} s; \
-         pump less out of it, or raise fluid.cavitation_pressure"
+         pump less out of it, or end the run before"
     )]
     Emptied {
         /// Time, s.
