@@ -7,7 +7,7 @@
 //!
 //! A crack is a plane, but its fluid has the pressure of a band two horizons wide. Were the pores of the band to fill
 //! with it, rock would take up at once what it takes up in the time that fluid needs through the band: in
-//! `kgd-leak-off` at 10 cm nothing of what is pumped until 2 s would be in the crack instead of 0.53. So fluid leaves the
+//! `kgd-leak-off` at 10 cm nothing of what is pumped until 2 s would be in the crack instead of 0.56. So fluid leaves the
 //! crack at the edge of the band alone.
 
 use std::borrow::Cow;
