@@ -177,7 +177,7 @@ fn permeabilities<'a, const D: usize>(fields: &Fields<'a, D>) -> Result<Vec<f64>
         Some(PermeabilityPlan::Tensor { largest, .. }) => Cow::Owned(FieldPlan::Uniform(*largest)),
     };
     let materials = fields.plan.materials.iter();
-    let all: Vec<Cow<'_, FieldPlan>> = materials.map(|own| field(own)).collect();
+    let all: Vec<Cow<'_, FieldPlan>> = materials.map(field).collect();
     fields.spread(&all.iter().map(AsRef::as_ref).collect::<Vec<_>>())
 }
 
