@@ -58,7 +58,7 @@ fn values_of_every_property_are_checked_where_they_are_read() {
     };
     for (column, property, words) in [
         (
-            "E",
+            "E_Pa",
             Property::YOUNGS_MODULUS,
             "line 4: youngs_modulus is 0.0, not positive",
         ),
@@ -95,6 +95,20 @@ fn values_of_every_property_are_checked_where_they_are_read() {
             "{message}"
         );
     }
+}
+
+#[test]
+fn point_data_are_read_by_the_name_of_the_key_or_of_the_column() {
+    let file = &vtu::tests::files()[1];
+    let (_directory, path) = written("rock.vtu", file);
+    let own = read_field(&path, None, Property::PERMEABILITY).unwrap();
+    assert_eq!(own.values, [1e-15, 2e-15, 3e-15, 4e-15]);
+    let named = read_field(&path, Some("volume"), Property::POROSITY).unwrap();
+    assert_eq!(named.values, [0.01, 0.02, 0.03, 0.04]);
+    let message = read_field(&path, None, Property::STORAGE)
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("no array `storage`"), "{message}");
 }
 
 /// Whatever a reader makes of a damaged file, what it returns must be usable.

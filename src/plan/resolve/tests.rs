@@ -323,6 +323,7 @@ fn storage_is_a_number_until_something_in_it_varies() {
     let porous = &[
         "fluid={viscosity = \"1 cP\", bulk_modulus = \"2 GPa\"}",
         "flow={}",
+        "coupling={}",
         "materials.rock.permeability=1 mD",
         "materials.rock.porosity=0.2",
         "materials.rock.biot_coefficient=0.7",

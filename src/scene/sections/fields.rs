@@ -52,15 +52,14 @@ pub struct FieldFile {
     pub contrast: Option<Number>,
 }
 
-/// A random field. Fields of the same `seed` and `correlation_length` draw the same normal numbers, so that they are
-/// high and low at the same places; fields of other seeds are independent.
+/// A random field.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "{Q}Distribution")]
 pub struct FieldDistribution<Q> {
     /// Kind of distribution.
     pub distribution: Distribution,
-    /// Median.
+    /// Median, in the unit of the property.
     pub median: Q,
     /// Standard deviation of the decimal logarithm.
     #[schemars(transform = within(&LOG10_STD))]
@@ -70,7 +69,8 @@ pub struct FieldDistribution<Q> {
     pub decades: Option<Number>,
     /// Correlation length, m; neighbours are independent if absent.
     pub correlation_length: Option<Length>,
-    /// Seed of the random numbers.
+    /// Seed of the random numbers. Properties of the same seed and correlation length draw the same normal numbers, so that
+    /// they are high and low at the same places, in all materials; those of other seeds are independent.
     #[serde(default)]
     pub seed: u64,
 }
