@@ -99,7 +99,6 @@ fn layers_of_cells_stretch_like_a_smooth_modulus() {
         error(&[&file]),
         error(&[&file, "mechanics.interfaces=pointwise"]),
     ];
-    println!("{layers:e} {pointwise:e}");
     assert!(layers < 1e-9, "{layers}");
     assert!(pointwise < 0.02, "{pointwise}");
 }
