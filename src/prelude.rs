@@ -30,7 +30,8 @@ pub use crate::model::{FlowModel, Model, ModelError, SolidModel};
 #[doc(inline)]
 pub use crate::output::{CheckpointError, OutputError};
 pub use crate::plan::{
-    Effect, Load, OwnEffect, PermeabilityPlan, Plan, PointTable, Points, Setup, TableError, resolve,
+    Effect, FieldPlan, Load, OwnEffect, PermeabilityPlan, Plan, PointTable, Points, Setup,
+    TableError, resolve,
 };
 pub use crate::reference::{ErrorNorms, ExactDisplacement, ExactPressure};
 #[doc(inline)]

@@ -301,8 +301,20 @@ class Keys:
             else:
                 return None
 
+    def field(self, node):
+        """What may stand for a property of the rock that may vary, told in full at the permeability; None for others."""
+        variants = self.resolve(node).get("anyOf") or []
+        tables = [self.resolve(part).get("properties", {}) for part in variants[1:]]
+        if not 1 <= len(tables) <= 2 or not {"file", "cells"} <= tables[0].keys():
+            return None
+        forms = "a file" if len(tables) == 1 else "a file or a distribution"
+        return f"{self.kind(variants[0])}; or {forms} as for `permeability`"
+
     def kind(self, node):
         """What may stand for a key, with its unit."""
+        field = self.field(node)
+        if field:
+            return field
         quantity = self.definition_of(node)
         if quantity:
             return quantity[0] + (f", {quantity[1]}" if quantity[1] else "")
@@ -387,7 +399,7 @@ class Keys:
 
     def within(self, path, node):
         """Choices and tables that stand under a key."""
-        if self.definition_of(node):
+        if self.definition_of(node) or self.field(node):
             return
         own = self.resolve(node)
         variants = own.get("oneOf") or own.get("anyOf") or []

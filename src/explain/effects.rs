@@ -218,6 +218,10 @@ pub(super) fn elasticity(plan: &Plan, sample: &Sample) -> Option<Reason> {
     let interfaces = match solid.contrast > LAYERED {
         false => String::new(),
         true if layers => "; layers in families whose moduli vary".into(),
+        true if plan.has_elastic_fields() => format!(
+            "; moduli of points, which vary by a factor of {:.3}: stresses converge where they vary smoothly",
+            solid.contrast
+        ),
         true => format!(
             "; moduli of points, which vary by a factor of {:.3}: stresses beside interfaces do not converge",
             solid.contrast

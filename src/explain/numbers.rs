@@ -1,8 +1,7 @@
 //! Numbers that tell how hard a plan is.
 
 use super::Number;
-use crate::material::Elasticity;
-use crate::model::{CoupledSample, FlowSample, Sample};
+use crate::model::{CoupledSample, FlowSample, Rock, Sample};
 use crate::operators::WidthRange;
 use crate::plan::{
     DamageModel, DamagePlan, Exponent, MaterialPlan, Normalise, Plan, TimeMode, damage_width,
@@ -71,16 +70,20 @@ fn fracture(plan: &Plan, damage: &DamagePlan, sample: &Sample) -> Vec<Number> {
         )
     });
     let mean = sample.width.map_or(1.0, |range| range.mean);
-    let strengths = |material: &MaterialPlan| {
-        let length = damage.length_scale.unwrap_or(2.0 * low);
-        let own = strength(material, damage, (width, length), mean);
-        own.into_iter().flatten()
+    let length = damage.length_scale.unwrap_or(2.0 * low);
+    let strengths = |(number, material): (usize, &MaterialPlan)| {
+        let extreme = sample.rocks.get(number).filter(|rocks| !rocks.is_empty());
+        let rocks = match extreme {
+            Some(rocks) => rocks.clone(),
+            None => Vec::from_iter(rock(material, damage)),
+        };
+        strength(&material.name, &rocks, damage, (width, length), mean)
     };
     let shown = damage.length_scale.is_some();
     (shown.then(|| number("2δ/ℓ", width, meaning)).into_iter())
         .chain(coarse.filter(|_| shown))
         .chain((sample.width.iter()).flat_map(|range| directions(damage, *range, width)))
-        .chain(plan.materials.iter().flat_map(strengths))
+        .chain(plan.materials.iter().enumerate().flat_map(strengths))
         .collect()
 }
 
@@ -105,15 +108,27 @@ fn directions(damage: &DamagePlan, range: WidthRange, width: f64) -> [Number; 2]
     ]
 }
 
+/// The rock of a material that is the same everywhere.
+fn rock(material: &MaterialPlan, damage: &DamagePlan) -> Option<Rock> {
+    let elasticity = material.uniform_elasticity()?;
+    Some(Rock {
+        modulus: match damage.model {
+            DamageModel::Split => elasticity.oedometer_modulus(),
+            DamageModel::Paper => elasticity.youngs_modulus,
+        },
+        energy: material.fracture_energy.as_ref()?.uniform()?,
+    })
+}
+
 /// Energy per area of a crack whose band is 2δ wide, or `mean` of it where strength follows from widths, and
-/// the peak of a bar that is drawn.
+/// the peak of a bar that is drawn; least and most where `rocks`, of the material `name`, are several.
 fn strength(
-    material: &MaterialPlan,
+    name: &str,
+    rocks: &[Rock],
     damage: &DamagePlan,
     (width, length): (f64, f64),
     mean: f64,
-) -> Option<[Number; 3]> {
-    let elasticity = material.elasticity?;
+) -> Vec<Number> {
     // What the length scale spreads; a crack as wide as 2δ takes 2δ/ℓ of it.
     let (width, energy) = match damage.normalise {
         Normalise::Off => (width, "what a crack takes, J/m²: G_c · 2δ/ℓ"),
@@ -126,37 +141,54 @@ fn strength(
             "what a crack takes, J/m²: G_c on average over directions, as damage.normalise = \"mean\"",
         ),
     };
-    let spread = match damage.normalise {
-        Normalise::Off => material.fracture_energy?,
-        Normalise::Horizon | Normalise::Mean => material.fracture_energy? / width,
+    let values = |rock: &Rock| {
+        let spread = match damage.normalise {
+            Normalise::Off => rock.energy,
+            Normalise::Horizon | Normalise::Mean => rock.energy / width,
+        };
+        let [stress, strain] = peak(rock.modulus, damage, spread / length);
+        [spread * width, stress, strain]
     };
-    let [stress, strain] = peak(elasticity, damage, spread / length);
-    let named = |what: &str, value, meaning| {
-        let name = format!("{what} of {}", material.name);
-        number(&name, value, meaning)
-    };
-    Some([
-        named("effective fracture energy", spread * width, energy),
-        named(
+    let told = [
+        ("effective fracture energy", energy),
+        (
             "critical stress σ_c",
-            stress,
             "largest stress of a bar that is drawn, Pa: 0.459 √(E c), 0.573 with the exponent 1.5, E for its modulus \
              (λ + 2μ in the split model)",
         ),
-        named(
+        (
             "critical strain ε_c",
-            strain,
             "strain at the largest stress: √(2c/3E), √(0.902 c/E) with the exponent 1.5",
         ),
-    ])
+    ];
+    let all: Vec<[f64; 3]> = rocks.iter().map(values).collect();
+    let named = |(k, (what, meaning)): (usize, (&str, &'static str))| {
+        let own = all.iter().map(|values| values[k]);
+        let what = format!("{what} of {name}");
+        match all.len() {
+            0 | 1 => own.map(|value| number(&what, value, meaning)).collect(),
+            _ => range(&what, own, meaning),
+        }
+    };
+    told.into_iter().enumerate().flat_map(named).collect()
+}
+
+/// The least and the most of a number that varies from point to point.
+fn range(
+    what: &str,
+    values: impl Iterator<Item = f64> + Clone,
+    meaning: &'static str,
+) -> Vec<Number> {
+    let least = values.clone().fold(f64::INFINITY, f64::min);
+    let most = values.fold(f64::NEG_INFINITY, f64::max);
+    vec![
+        number(&format!("{what}, least"), least, meaning),
+        number(&format!("{what}, most"), most, meaning),
+    ]
 }
 
 /// Largest stress of a bar of strength `toughness` (J/m³) that is drawn, Pa, and its strain.
-fn peak(elasticity: Elasticity, damage: &DamagePlan, toughness: f64) -> [f64; 2] {
-    let modulus = match damage.model {
-        DamageModel::Split => elasticity.oedometer_modulus(),
-        DamageModel::Paper => elasticity.youngs_modulus,
-    };
+fn peak(modulus: f64, damage: &DamagePlan, toughness: f64) -> [f64; 2] {
     match damage.exponent {
         Exponent::Two => {
             let strain = (2.0 * toughness / (3.0 * modulus)).sqrt();

@@ -2,7 +2,7 @@
 
 use super::scheme::{choice, outline};
 use super::{MatrixSize, Memory};
-use crate::model::Sample;
+use crate::model::{LAYERED, Sample, SolidSample};
 use crate::plan::Plan;
 use crate::plan::capability::{System, holds_stiffness, systems};
 
@@ -149,6 +149,24 @@ const PEAK: f64 = 1.6;
 /// What the program takes without a model, bytes.
 const PROGRAM: u64 = 16_000_000;
 
+/// Contrast of moduli from which families may have weights of their own besides (`model/laminate.rs`).
+const CHANGED: f64 = 10.0;
+
+/// Layers of the families of a field of moduli, bytes per point: three numbers per bond, D⁴ and the layers themselves per
+/// family. Layers beside interfaces of regions are of few families.
+fn layers(plan: &Plan, solid: &SolidSample) -> f64 {
+    let named = (plan.mechanics.as_ref()).is_some_and(|own| own.has_layers(plan.damage.is_some()));
+    if !(named && plan.has_elastic_fields() && solid.contrast > LAYERED) {
+        return 0.0;
+    }
+    let dimension = plan.dimension as f64;
+    let changed = match solid.contrast > CHANGED {
+        true => 8.0 * dimension,
+        false => 0.0,
+    };
+    (24.0 + changed) * solid.bonds + 8.0 * dimension.powi(4) + 64.0
+}
+
 /// Estimated memory of a model and its matrices.
 pub(super) fn memory(plan: &Plan, sample: &Sample, matrices: &[MatrixSize]) -> Memory {
     let (points, dimension) = (sample.points as f64, plan.dimension as f64);
@@ -165,6 +183,7 @@ pub(super) fn memory(plan: &Plan, sample: &Sample, matrices: &[MatrixSize]) -> M
     if let Some(solid) = &sample.solid {
         bonds += families(solid.bonds);
         gradients += weights(solid.bonds, 1 + usize::from(solid.corrected));
+        gradients += points * layers(plan, solid);
         fields += points * 8.0 * 16.0 * dimension;
         if !holds_stiffness(plan) {
             // Forces from bonds: fields of displacements and stresses by sites.

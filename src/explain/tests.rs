@@ -423,3 +423,32 @@ fn cracks_are_told_by_kind_and_with_their_fluid() {
     let scheme = scheme::scheme(&plan);
     assert_eq!(scheme.name, "monolithic backward-euler");
 }
+
+/// Where rock varies the least and the most of all points are told, and never one value for all.
+#[test]
+fn strengths_of_a_field_are_ranges() {
+    let named = |own: &Explanation, name: &str| {
+        let found = own.numbers.iter().find(|number| number.name == name);
+        found.map(|number| number.value)
+    };
+    let value = explain(&plan_of(SOLID, BREAKING)).unwrap();
+    let energy = "materials.rock.fracture_energy={distribution = \"log-normal\", median = 50, log10_std = 0.2, \
+                  decades = 0.4, seed = 2}";
+    let field = explain(&plan_of(SOLID, &[BREAKING, &[energy]].concat())).unwrap();
+    for what in [
+        "effective fracture energy",
+        "critical stress σ_c",
+        "critical strain ε_c",
+    ] {
+        let single = named(&value, &format!("{what} of rock")).unwrap();
+        let [least, most] =
+            ["least", "most"].map(|end| named(&field, &format!("{what} of rock, {end}")).unwrap());
+        assert!(
+            least < single && single < most,
+            "{what}: {least} {single} {most}"
+        );
+        assert!(named(&field, &format!("{what} of rock")).is_none());
+        // Stress and strain go with the root of the energy; 0.4 decades in all.
+        assert!(most / least <= 10_f64.powf(0.4) * (1.0 + 1e-12));
+    }
+}

@@ -24,7 +24,7 @@ pub struct CrackFlow<const D: usize> {
     pub donor: Vec<u32>,
     /// Opening and width of the band, shape `(n,)`.
     pub opening: Vec<Opening>,
-    /// What the pores of a point in a crack hold for good, m^D, shape `(n,)`; see [`Model::fill_broken`].
+    /// What the pores of a point in a crack hold for good, m^D, shape `(n,)`; see [`super::Model::fill_broken`].
     pub pores: Vec<f64>,
     /// Pressure in the pores of a point in a crack, which stays, Pa, shape `(n,)`; 0 elsewhere.
     pub sealed: Vec<f64>,

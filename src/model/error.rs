@@ -106,6 +106,24 @@ pub enum ModelError {
         /// Name of the material.
         material: String,
     },
+    /// A porosity above the Biot coefficient of its point.
+    #[error(
+        "the porosity of material \"{material}\" is {porosity:.4} at point {point} at {position:?}, above its \
+         Biot coefficient {biot:.4} (Eq. 38); raise `biot_coefficient`, correct the file, or of a random field lower \
+         `median` or `log10_std` or clip it with `decades`"
+    )]
+    PorosityAboveBiot {
+        /// Name of the material.
+        material: String,
+        /// Index of the point.
+        point: usize,
+        /// Its position, m.
+        position: Vec<f64>,
+        /// The porosity there.
+        porosity: f64,
+        /// The Biot coefficient there.
+        biot: f64,
+    },
     /// A points file that names materials, beside regions.
     #[error(
         "the points file names the material of every point, so the region of material \"{material}\" \

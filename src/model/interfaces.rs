@@ -134,9 +134,9 @@ impl<const D: usize> Interfaces<'_, D> {
         normal * normal.transpose()
     }
 
-    /// Moduli of a material.
+    /// Moduli of a material, if they are the same everywhere in it.
     pub(super) fn moduli(&self, material: u16) -> Option<Lame> {
-        let elasticity = self.plan.materials[usize::from(material)].elasticity?;
+        let elasticity = self.plan.materials[usize::from(material)].uniform_elasticity()?;
         Some(elasticity.lame())
     }
 }

@@ -67,7 +67,9 @@ fn families<const D: usize>(
     lame: &[Lame],
 ) -> Vec<Layered<D>> {
     let materials = &interfaces.plan.materials;
-    let regions = materials.iter().any(|own| own.region.is_some());
+    // Within a field it is the cells of the points that tell where moduli change.
+    let fields = interfaces.plan.has_elastic_fields();
+    let regions = !fields && materials.iter().any(|own| own.region.is_some());
     let family = |owner: usize| -> Option<Layered<D>> {
         let ends = || {
             let family = around.families.family(owner);

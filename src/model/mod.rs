@@ -12,6 +12,7 @@ mod darcy;
 mod diffusion;
 mod disc;
 mod error;
+mod fields;
 mod filling;
 mod fit;
 mod fixed;
@@ -56,7 +57,7 @@ pub use places::{Faces, Places};
 #[cfg(feature = "study")]
 pub(crate) use properties::material_at;
 pub use response::Fields;
-pub use sample::{CoupledSample, FlowSample, PointLimit, Sample, SolidSample, sample};
+pub use sample::{CoupledSample, FlowSample, PointLimit, Rock, Sample, SolidSample, sample};
 pub use scaled_mass::{SHARE, undrained_modulus};
 pub use solid::SolidModel;
 pub use walls::{Drive, MovingWall, driven_walls};

@@ -1,11 +1,13 @@
-//! Materials and permeabilities of the points.
+//! Materials and properties of the points.
+
+use std::borrow::Cow;
 
 use crate::geometry::{Cloud, Vector};
-use crate::material::log_normal;
 use crate::operators::{Lame, PlaneTensor};
-use crate::plan::{MaterialPlan, PermeabilityPlan, Plan, PointTable, check_length};
+use crate::plan::{FieldPlan, MaterialPlan, PermeabilityPlan, Plan, PointTable};
 
 use super::ModelError;
+use super::fields::Fields;
 
 /// Properties per point.
 pub struct Properties {
@@ -76,69 +78,38 @@ fn assigned<const D: usize>(
     table: Option<&PointTable>,
     material: Vec<u16>,
 ) -> Result<Properties, ModelError> {
+    let fields = Fields {
+        plan,
+        cloud,
+        material: &material,
+    };
     let mut permeability = match plan.flow {
-        Some(_) => permeabilities(plan, cloud, &material)?,
+        Some(_) => permeabilities(&fields)?,
         None => Vec::new(),
     };
     if let Some(values) = table.and_then(|table| table.permeability.as_ref()) {
         permeability.clone_from(values);
     }
-    let storage = material
-        .iter()
-        .map(|&m| plan.materials[usize::from(m)].storage)
-        .collect();
     let mechanics = plan.mechanics.as_ref();
     let heavy = mechanics.is_some_and(|m| m.inertia || plan.gravity.is_some());
+    let (coupled, breaks) = (plan.coupling.is_some(), plan.damage.is_some());
     Ok(Properties {
         permeability,
         tensor: tensors(plan, &material),
-        storage,
-        lame: per_point(
-            plan,
-            &material,
-            mechanics.is_some(),
-            "elastic moduli",
-            |m| Some(m.elasticity?.lame()),
-        )?,
-        biot_coefficient: per_point(
-            plan,
-            &material,
-            plan.coupling.is_some(),
-            "biot_coefficient",
-            |m| m.biot_coefficient,
-        )?,
-        density: per_point(plan, &material, heavy, "density", |m| m.density)?,
-        fracture_energy: per_point(
-            plan,
-            &material,
-            plan.damage.is_some(),
-            "fracture_energy",
-            |m| m.fracture_energy,
-        )?,
+        storage: fields.storage()?,
+        lame: match mechanics {
+            Some(_) => fields.lame()?,
+            None => Vec::new(),
+        },
+        biot_coefficient: fields.needed(coupled, "biot_coefficient", |own| {
+            own.biot_coefficient.as_ref()
+        })?,
+        density: fields.needed(heavy, "density", |own| own.density.as_ref())?,
+        fracture_energy: fields.needed(breaks, "fracture_energy", |own| {
+            own.fracture_energy.as_ref()
+        })?,
         material,
     })
-}
-
-/// A property of every point, or nothing where no effect needs it.
-fn per_point<T: Copy>(
-    plan: &Plan,
-    material: &[u16],
-    needed: bool,
-    property: &'static str,
-    of: impl Fn(&MaterialPlan) -> Option<T>,
-) -> Result<Vec<T>, ModelError> {
-    if !needed {
-        return Ok(Vec::new());
-    }
-    let value = |m: &MaterialPlan| {
-        of(m).ok_or_else(|| ModelError::MissingProperty {
-            material: m.name.clone(),
-            property,
-        })
-    };
-    let values: Result<Vec<T>, ModelError> = plan.materials.iter().map(value).collect();
-    let values = values?;
-    Ok(material.iter().map(|&m| values[usize::from(m)]).collect())
 }
 
 fn by_name(plan: &Plan, names: &[String]) -> Result<Vec<u16>, ModelError> {
@@ -197,67 +168,17 @@ fn by_region<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<Vec<u16>, 
     }
 }
 
-fn permeabilities<const D: usize>(
-    plan: &Plan,
-    cloud: &Cloud<D>,
-    material: &[u16],
-) -> Result<Vec<f64>, ModelError> {
-    let mut permeability = vec![0.0; cloud.len()];
-    for (number, own) in plan.materials.iter().enumerate() {
+/// Permeability of every point, of tensors the largest one, m².
+fn permeabilities<'a, const D: usize>(fields: &Fields<'a, D>) -> Result<Vec<f64>, ModelError> {
+    let field = |own: &'a MaterialPlan| match &own.permeability {
         // Without flow there is none, and none is read.
-        let Some(field) = &own.permeability else {
-            continue;
-        };
-        let values = match field {
-            PermeabilityPlan::Uniform(value) => vec![*value; cloud.len()],
-            PermeabilityPlan::Tensor { largest, .. } => vec![*largest; cloud.len()],
-            PermeabilityPlan::Table {
-                values,
-                cells: Some(cells),
-                ..
-            } => laid_over(cloud, values, cells),
-            PermeabilityPlan::Table {
-                path,
-                values,
-                cells: None,
-            } => {
-                // A table of a finer cloud, whose own length has been checked, is thinned.
-                let points = cloud.len();
-                match plan.geometry.count() {
-                    Some(count) if count != points => (0..points)
-                        .map(|i| values[i * values.len() / points])
-                        .collect(),
-                    _ => {
-                        check_length(path, values.len(), points)?;
-                        values.clone()
-                    }
-                }
-            }
-            PermeabilityPlan::LogNormal {
-                median,
-                log10_std,
-                decades,
-                correlation_length,
-                seed,
-            } => log_normal(
-                &cloud.position,
-                *median,
-                *log10_std,
-                *decades,
-                *correlation_length,
-                *seed,
-            ),
-        };
-        for ((own, value), _) in permeability
-            .iter_mut()
-            .zip(values)
-            .zip(material)
-            .filter(|(_, m)| usize::from(**m) == number)
-        {
-            *own = value;
-        }
-    }
-    Ok(permeability)
+        None => Cow::Owned(FieldPlan::Uniform(0.0)),
+        Some(PermeabilityPlan::Field(field)) => Cow::Borrowed(field),
+        Some(PermeabilityPlan::Tensor { largest, .. }) => Cow::Owned(FieldPlan::Uniform(*largest)),
+    };
+    let materials = fields.plan.materials.iter();
+    let all: Vec<Cow<'_, FieldPlan>> = materials.map(field).collect();
+    fields.spread(&all.iter().map(AsRef::as_ref).collect::<Vec<_>>())
 }
 
 /// Tensor of every point in units of its permeability.
@@ -271,17 +192,4 @@ fn tensors(plan: &Plan, material: &[u16]) -> Vec<PlaneTensor> {
     };
     let shapes: Vec<PlaneTensor> = plan.materials.iter().map(shape).collect();
     material.iter().map(|&m| shapes[usize::from(m)]).collect()
-}
-
-/// Every point's value of an array (x fastest) of `cells` that is laid over the domain.
-fn laid_over<const D: usize>(cloud: &Cloud<D>, values: &[f64], cells: &[usize]) -> Vec<f64> {
-    let (lower, size) = (cloud.domain.lower, cloud.domain.size());
-    let value = |x: &Vector<D>| {
-        let index = (0..D).rev().fold(0, |index, axis| {
-            let place = (x[axis] - lower[axis]) / size[axis] * cells[axis] as f64;
-            index * cells[axis] + (place as usize).min(cells[axis] - 1)
-        });
-        values[index]
-    };
-    cloud.position.iter().map(value).collect()
 }

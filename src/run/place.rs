@@ -53,17 +53,9 @@ fn place(scene: &Scene, error: &ModelError) -> Option<Span> {
             .get(number - 1)
             .map(|region| region.region.span),
         ModelError::Table(FileError::Length { path, .. }) => {
-            scene
-                .materials
-                .iter()
-                .find_map(|entry| match entry.value.permeability.as_deref() {
-                    Some(scene::PermeabilityField::File(file))
-                        if Path::new(&file.file.value) == path =>
-                    {
-                        Some(file.file.span)
-                    }
-                    _ => None,
-                })
+            let mut files = scene.materials.iter().flat_map(|entry| entry.value.files());
+            let named = files.find(|file| Path::new(&file.file.value) == path);
+            named.map(|file| file.file.span)
         }
         ModelError::Points { .. }
         | ModelError::UnknownMaterial { .. }
@@ -86,6 +78,9 @@ fn place(scene: &Scene, error: &ModelError) -> Option<Span> {
         ModelError::Effect(EffectError::EmptyLoad { name, .. }) => {
             let mut loads = scene.mechanics.as_ref()?.loads.iter();
             loads.find(|entry| entry.name == *name).map(|e| e.span)
+        }
+        ModelError::PorosityAboveBiot { material: name, .. } => {
+            material(name)?.porosity.as_ref().map(|own| own.span)
         }
         ModelError::MissingProperty { material: name, .. } => {
             let mut materials = scene.materials.iter();

@@ -163,7 +163,6 @@ fn build(mut root: Node) -> Result<Scene, Vec<Diagnostic>> {
 mod tests {
     #![allow(clippy::float_cmp)]
     use super::*;
-    use crate::scene::Storage;
 
     const SMALL: &str = r#"# a comment
 title = "Small"
@@ -201,8 +200,11 @@ end = "10 s"
         assert_eq!(scene.solver.name.value, "auto");
         assert_eq!(scene.geometry.bounds().unwrap().max, [1.0, 1.0]);
         assert!(scene.gravity.is_none() && scene.wells.is_empty() && scene.output.vtu);
-        let storage = scene.materials.get("z_first").unwrap().storage();
-        assert_eq!(storage, Some(Storage::Given(1e-10)));
+        let storage = scene.materials.get("z_first").unwrap().storage.as_ref();
+        assert_eq!(
+            storage.and_then(|own| own.typed().value()).unwrap().value(),
+            1e-10
+        );
     }
 
     #[test]
@@ -321,7 +323,11 @@ end = "10 s"
         assert_eq!(loaded.scene.time.end.unwrap().value(), 10.0);
         assert_eq!(loaded.scene.time.max_step.unwrap().value(), 1.0);
         let second = loaded.scene.materials.get("a_second").unwrap();
-        assert_eq!(second.storage(), Some(Storage::Given(3e-10)));
+        let storage = second.storage.as_ref();
+        assert_eq!(
+            storage.and_then(|own| own.typed().value()).unwrap().value(),
+            3e-10
+        );
         assert!(second.permeability.is_some());
         assert!(loaded.resolved_toml().contains("0.4"));
         let wrong = [

@@ -208,7 +208,7 @@ fn permeability_files_that_cannot_be_used() {
                   \n\x00\x00\x00\x00\x00\x00\xf0\x3f\x00\x00\x00\x00\x00\x00\xf0\x3f",
             )],
             stderr: r#"
-error: k.npy: 2 permeabilities for 64 points; the file needs one value per point, in the order of the cloud (x fastest on a lattice)
+error: k.npy: 2 values for 64 points; the file needs one value per point, in the order of the cloud (x fastest on a lattice)
  --> scene.toml:9:25
   |
 9 | permeability = { file = "k.npy" }

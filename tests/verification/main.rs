@@ -13,6 +13,7 @@ mod damage;
 mod dynamics;
 mod effects;
 mod estimates;
+mod fields;
 mod five_spot;
 mod fluid_lag;
 mod fourier;

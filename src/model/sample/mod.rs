@@ -4,13 +4,16 @@ mod cell;
 mod coupled;
 mod family;
 mod outline;
+mod rock;
 mod width;
 
 pub use coupled::CoupledSample;
+pub use rock::Rock;
 
 use self::cell::LocalCell;
 use self::family::LocalFamily;
 use self::outline::CloudOutline;
+use super::fields::Fields;
 use super::lattice::separates;
 use super::operator_choice::{ChosenOperator, Form};
 use super::properties::{self, Properties};
@@ -47,6 +50,8 @@ pub struct Sample {
     pub coupling: Option<CoupledSample>,
     /// Effective widths of the families over all directions, if rock breaks.
     pub width: Option<WidthRange>,
+    /// Per material in whose region what breaks varies, the rocks that are extreme; empty without such.
+    pub rocks: Vec<Vec<Rock>>,
     /// Systems for which the points are a lattice that separates.
     pub separates: Vec<System>,
 }
@@ -204,6 +209,7 @@ fn sampled<const D: usize>(
         solid: plan.mechanics.as_ref().map(|solid| seen.solid(solid)),
         coupling: plan.coupling.map(|_| seen.coupling()),
         width: width::range(plan, cloud, &sampler, points, &samples),
+        rocks: rock::extremes(plan, points),
         separates: (systems(plan).into_iter())
             .filter(|system| separates(plan, cloud, points, *system).is_ok())
             .collect(),
@@ -254,6 +260,7 @@ fn estimated<const D: usize>(plan: &Plan, outline: &CloudOutline<D>) -> Result<S
             ..coupling
         }),
         width: sample.width,
+        rocks: sample.rocks,
         separates: sample.separates,
     })
 }
@@ -346,10 +353,14 @@ impl<const D: usize> Seen<'_, D> {
 
     /// Eqs. 60 and 61 with the undrained modulus λ + 2μ + α²/s where fluid resists.
     fn waves(&self) -> Option<PointLimit> {
-        let density: Option<Vec<f64>> = (self.points.material.iter())
-            .map(|&m| self.plan.materials[usize::from(m)].density)
-            .collect();
-        let density = density?;
+        let fields = Fields {
+            plan: self.plan,
+            cloud: self.cloud,
+            material: &self.points.material,
+        };
+        // Told even where no effect needs it, if it is known.
+        let density = fields.needed(true, "density", |own| own.density.as_ref());
+        let density = density.ok()?;
         let step = |i: usize| {
             let fluid = match self.plan.coupling {
                 Some(_) => self.points.biot_coefficient[i].powi(2) / self.points.storage[i],

@@ -1,6 +1,6 @@
 //! Sneddon's crack, with its parameters taken from the plan.
 
-use super::{domain, require, text};
+use super::{domain, elasticity, require, text};
 use crate::plan::{CrackPlan, Plan, ReferenceKind, Support};
 use crate::reference::Sneddon;
 
@@ -22,9 +22,7 @@ pub fn exact_opening(plan: &Plan) -> Result<Option<Sneddon>, String> {
     let [material] = plan.materials.as_slice() else {
         return Err("Sneddon's solution needs exactly one material".to_owned());
     };
-    let rock = material
-        .elasticity
-        .ok_or("Sneddon's solution needs elastic moduli")?;
+    let rock = elasticity(material, "Sneddon's solution needs elastic moduli")?;
     let (middle, half_length) = extent(plan, crack)?;
     Sneddon::new(
         middle,

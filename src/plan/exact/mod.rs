@@ -12,6 +12,7 @@ use super::types::{
     WellPlan,
 };
 use crate::geometry::{Shape, Side};
+use crate::material::Elasticity;
 use crate::reference::{
     Axis, Ends, ExactDisplacement, ExactPressure, FiveSpot, FiveSpotTransient, InjectorCorner,
     Layer, Manufactured, TimeFactor, TwoLayer, TwoLayerParameters,
@@ -196,7 +197,7 @@ fn two_layer(plan: &Plan) -> Result<TwoLayer, String> {
         Ok(Layer {
             thickness,
             mobility,
-            storage: material.storage,
+            storage: storage(material)?,
         })
     };
     let first = cut - origin[0];
@@ -237,18 +238,36 @@ fn uniform(plan: &Plan) -> Result<(f64, f64), String> {
     };
     Ok((
         permeability(material)? / plan.fluid.viscosity,
-        material.storage,
+        storage(material)?,
     ))
 }
 
 fn permeability(material: &MaterialPlan) -> Result<f64, String> {
-    match material.permeability {
-        Some(PermeabilityPlan::Uniform(value)) => Ok(value),
-        _ => Err(format!(
-            "this reference needs a uniform permeability of \"{}\"",
-            material.name
-        )),
-    }
+    let field = material.permeability.as_ref();
+    field
+        .and_then(PermeabilityPlan::uniform)
+        .ok_or_else(|| one_value(material, "permeability"))
+}
+
+/// Storage of a material, 1/Pa, if it is the same everywhere in it.
+fn storage(material: &MaterialPlan) -> Result<f64, String> {
+    let storage = material.storage.uniform();
+    storage.ok_or_else(|| one_value(material, "storage"))
+}
+
+/// The elastic constants of a material, if they are the same everywhere in it; `absent` where it has none.
+fn elasticity(material: &MaterialPlan, absent: &str) -> Result<Elasticity, String> {
+    let elasticity = material.elasticity.as_ref().ok_or(absent)?;
+    let uniform = elasticity.uniform();
+    uniform.ok_or_else(|| one_value(material, "Young's modulus and Poisson's ratio"))
+}
+
+/// What an exact solution says to a field.
+fn one_value(material: &MaterialPlan, property: &str) -> String {
+    format!(
+        "this reference needs a uniform {property} of \"{}\"",
+        material.name
+    )
 }
 
 fn constant(well: &WellPlan) -> Result<f64, String> {

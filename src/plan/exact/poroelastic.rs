@@ -1,6 +1,6 @@
 //! Terzaghi's and Mandel's solutions, with their parameters taken from the plan.
 
-use super::{domain, permeability, require, sides, text};
+use super::{domain, elasticity, one_value, permeability, require, sides, storage, text};
 use crate::geometry::Side;
 use crate::load::Load;
 use crate::material::Elasticity;
@@ -20,13 +20,12 @@ fn rock(plan: &Plan) -> Result<Rock, String> {
         return Err("this reference needs exactly one material".to_owned());
     };
     Ok(Rock {
-        elasticity: material
-            .elasticity
-            .ok_or("this reference needs elastic moduli")?,
-        biot_coefficient: material
-            .biot_coefficient
-            .ok_or("this reference needs [coupling]")?,
-        storage: material.storage,
+        elasticity: elasticity(material, "this reference needs elastic moduli")?,
+        biot_coefficient: (material.biot_coefficient.as_ref())
+            .ok_or("this reference needs [coupling]")?
+            .uniform()
+            .ok_or_else(|| one_value(material, "Biot coefficient"))?,
+        storage: storage(material)?,
         mobility: permeability(material)? / plan.fluid.viscosity,
     })
 }

@@ -1,6 +1,6 @@
 //! Theis' well, with its parameters taken from the plan.
 
-use super::{domain, require, text, uniform};
+use super::{domain, require, storage, text, uniform};
 use crate::load::Load;
 use crate::plan::types::{MaterialPlan, PermeabilityPlan, Plan, ReferenceKind, WellPlan};
 use crate::reference::{ExactPressure, Theis, TheisParameters, TheisSeries};
@@ -9,12 +9,11 @@ use crate::reference::{ExactPressure, Theis, TheisParameters, TheisSeries};
 fn around(plan: &Plan) -> Result<(&WellPlan, Theis), String> {
     let (permeability, shape, storage) = match plan.materials.as_slice() {
         [
-            MaterialPlan {
+            material @ MaterialPlan {
                 permeability: Some(PermeabilityPlan::Tensor { largest, shape }),
-                storage,
                 ..
             },
-        ] => (*largest, *shape, *storage),
+        ] => (*largest, *shape, storage(material)?),
         _ => {
             let (mobility, storage) = uniform(plan)?;
             (mobility * plan.fluid.viscosity, [1.0, 1.0, 0.0], storage)

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::FileError;
 
-/// Endings of names that are units of length, area, volume or permeability. Other endings belong
+/// Endings of names that are units of length, area, volume, permeability or other properties of rock. Other endings belong
 /// to other quantities: `x_velocity` is no `x`.
-const UNITS: [&str; 30] = [
+const UNITS: [&str; 49] = [
     "m", "mm", "cm", "dm", "km", "um", "nm", "ft", "in", "m2", "mm2", "cm2", "dm2", "km2", "um2",
     "ft2", "in2", "m3", "mm3", "cm3", "dm3", "km3", "ft3", "in3", "l", "D", "mD", "md", "uD",
-    "darcy",
+    "darcy", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "Mpsi", "1/Pa", "1/kPa", "1/MPa",
+    "1/GPa", "1/bar", "1/psi", "J/m2", "kJ/m2", "kg/m3", "g/cm3", "t/m3",
 ];
 
 /// The names of the columns (or arrays) of a file.

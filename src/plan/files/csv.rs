@@ -1,4 +1,4 @@
-//! Points and permeabilities from comma-separated text.
+//! Points and properties from comma-separated text.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use ::csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::columns::Columns;
 use super::values::{Allowed, check};
-use super::{FileError, Place, PointTable, utf8};
+use super::{FileError, Place, PointTable, Property, utf8};
 
 /// Reads points; see [`super::read_points`].
 pub(super) fn read_points(path: &Path, bytes: &[u8]) -> Result<PointTable, FileError> {
@@ -44,18 +44,19 @@ pub(super) fn read_points(path: &Path, bytes: &[u8]) -> Result<PointTable, FileE
     })
 }
 
-/// Reads one column of permeabilities; see [`super::read_permeability`].
-pub(super) fn read_permeability(
+/// Reads one column of values; see [`super::read_field`].
+pub(super) fn read_field(
     path: &Path,
     bytes: &[u8],
     column: Option<&str>,
+    property: Property,
 ) -> Result<Vec<f64>, FileError> {
-    let table = Table::read(path, bytes, "permeabilities")?;
+    let table = Table::read(path, bytes, "values")?;
     let columns = &table.columns;
     let index = match column {
         Some(wanted) => match columns.names().iter().position(|name| name == wanted) {
             Some(index) => index,
-            None => columns.need(wanted, Some("m2"))?,
+            None => columns.need(wanted, property.unit)?,
         },
         None if columns.names().len() == 1 => 0,
         None => {
@@ -66,8 +67,10 @@ pub(super) fn read_permeability(
             });
         }
     };
-    columns.check_unit(index, "m2")?;
-    table.permeability(index)
+    if let Some(unit) = property.unit {
+        columns.check_unit(index, unit)?;
+    }
+    table.numbers(index, property.key, property.allowed)
 }
 
 /// A table of text with a header.

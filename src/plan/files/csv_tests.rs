@@ -6,7 +6,12 @@ fn points(text: &str) -> Result<PointTable, FileError> {
 }
 
 fn permeability(text: &str, column: Option<&str>) -> Result<Vec<f64>, FileError> {
-    read_permeability(Path::new("k.csv"), text.as_bytes(), column)
+    read_field(
+        Path::new("k.csv"),
+        text.as_bytes(),
+        column,
+        Property::PERMEABILITY,
+    )
 }
 
 #[track_caller]

@@ -25,7 +25,7 @@ impl fmt::Display for Place {
 }
 
 /// What makes a number unusable.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ValueFault {
     /// Not a number.
     Nan,
@@ -33,6 +33,15 @@ pub enum ValueFault {
     Infinite,
     /// Zero or negative where only positive values have a meaning.
     NotPositive,
+    /// Below zero where only zero and positive values have a meaning.
+    Negative,
+    /// Above what has a meaning.
+    Above {
+        /// The largest value that has one.
+        most: f64,
+        /// Why it is no more.
+        why: &'static str,
+    },
 }
 
 impl fmt::Display for ValueFault {
@@ -41,11 +50,15 @@ impl fmt::Display for ValueFault {
             Self::Nan => "not a number; fill the gap in the data",
             Self::Infinite => "not finite; correct the value",
             Self::NotPositive => "not positive; correct the value",
+            Self::Negative => "negative; correct the value",
+            Self::Above { most, why } => {
+                return write!(formatter, "above {most}: {why}; correct the value");
+            }
         })
     }
 }
 
-/// Why a file gives no points or permeabilities; every message names the file and the remedy.
+/// Why a file gives no points or properties; every message names the file and the remedy.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -273,7 +286,7 @@ pub enum FileError {
     },
     /// More or fewer values than points.
     #[error(
-        "{path}: {found} permeabilities for {points} points; the file needs one value per point, in \
+        "{path}: {found} values for {points} points; the file needs one value per point, in \
          the order of the cloud (x fastest on a lattice)"
     )]
     Length {

@@ -1,4 +1,4 @@
-//! Point clouds and permeabilities from files: `.csv`, `.vtu` and `.npy`.
+//! Point clouds and properties of the rock from files: `.csv`, `.vtu` and `.npy`.
 //!
 //! Every reader takes the whole file into memory, checks every value, and reports the first fault
 //! with its place, so that a damaged file never becomes a damaged simulation.
@@ -9,6 +9,7 @@ mod csv;
 mod error;
 mod npy;
 mod order;
+mod property;
 mod table;
 mod values;
 mod vtu;
@@ -18,8 +19,10 @@ use std::path::Path;
 
 pub use bundled::BUNDLED;
 pub use error::{FileError, Place, ValueFault};
-pub use order::{PermeabilityTable, check_cells, check_length};
+pub use order::{FieldTable, check_cells, check_length};
+pub use property::Property;
 pub use table::{PointTable, TableError};
+pub use values::{Allowed, fault};
 pub use vtu::read_array;
 
 /// Reads points from a `.csv` or `.vtu` file.
@@ -44,32 +47,39 @@ pub fn read_points(path: &Path) -> Result<PointTable, FileError> {
     }
 }
 
-/// Reads permeabilities, m², from an `.npy` or `.csv` file.
+/// Reads a property, SI, from an `.npy`, `.csv` or `.vtu` file.
 ///
 /// NPY: an array of floats (4 or 8 bytes) or integers, in C or Fortran order; its shape comes with
-/// the values, see [`PermeabilityTable::in_point_order`]. CSV: the only column, or the one named
-/// `column` (whose unit suffix `_m2` may be left out).
+/// the values, see [`FieldTable::in_point_order`]. CSV: the only column, or the one named
+/// `column` (whose unit suffix such as `_m2` may be left out). VTU: the point data named `column`, or as the key.
 ///
 /// # Errors
 /// [`FileError`] for a file that cannot be read, has another format, lacks the column, or holds a
-/// value that is not finite and positive.
-pub fn read_permeability(
+/// value that makes no sense.
+pub fn read_field(
     path: &Path,
     column: Option<&str>,
-) -> Result<PermeabilityTable, FileError> {
+    property: Property,
+) -> Result<FieldTable, FileError> {
+    let flat = |values| FieldTable {
+        values,
+        shape: None,
+    };
     match extension(path)?.as_str() {
-        "csv" => Ok(PermeabilityTable {
-            values: csv::read_permeability(path, &read_bytes(path)?, column)?,
-            shape: None,
-        }),
+        "csv" => csv::read_field(path, &read_bytes(path)?, column, property).map(flat),
         "npy" => match column {
-            None => npy::read_permeability(path, &read_bytes(path)?),
+            None => npy::read_field(path, &read_bytes(path)?, property),
             Some(column) => Err(FileError::ColumnInArray {
                 path: path.to_path_buf(),
                 column: column.to_owned(),
             }),
         },
-        other => Err(wrong_extension(path, other, "`.npy` and `.csv`")),
+        "vtu" => {
+            let values = read_array(path, column.unwrap_or(property.key))?;
+            values::check(path, property.key, property.allowed, &values, Place::Index)?;
+            Ok(flat(values))
+        }
+        other => Err(wrong_extension(path, other, "`.npy`, `.csv` and `.vtu`")),
     }
 }
 

@@ -1,18 +1,22 @@
-//! Permeabilities from `NumPy` arrays (`.npy`).
+//! Values from `NumPy` arrays (`.npy`).
 
 use std::io;
 use std::path::Path;
 
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
-use super::values::{Allowed, check};
-use super::{FileError, PermeabilityTable, Place};
+use super::values::check;
+use super::{FieldTable, FileError, Place, Property};
 
 /// Larger headers belong to records with thousands of fields, which are not read here.
 const LONGEST_HEADER: usize = 1 << 16;
 
-/// Reads an array; see [`super::read_permeability`].
-pub(super) fn read_permeability(path: &Path, bytes: &[u8]) -> Result<PermeabilityTable, FileError> {
+/// Reads an array; see [`super::read_field`].
+pub(super) fn read_field(
+    path: &Path,
+    bytes: &[u8],
+    property: Property,
+) -> Result<FieldTable, FileError> {
     let damaged = |reason| FileError::Damaged {
         path: path.to_path_buf(),
         place: None,
@@ -32,7 +36,7 @@ pub(super) fn read_permeability(path: &Path, bytes: &[u8]) -> Result<Permeabilit
     if stored.is_empty() {
         return Err(FileError::Empty {
             path: path.to_path_buf(),
-            what: "permeabilities",
+            what: "values",
         });
     }
     let values = if order == Order::Fortran {
@@ -40,15 +44,9 @@ pub(super) fn read_permeability(path: &Path, bytes: &[u8]) -> Result<Permeabilit
     } else {
         stored
     };
-    check(
-        path,
-        "permeability",
-        Allowed::Positive,
-        &values,
-        Place::Index,
-    )?;
+    check(path, property.key, property.allowed, &values, Place::Index)?;
     let size = |&size: &u64| usize::try_from(size).unwrap_or(usize::MAX);
-    Ok(PermeabilityTable {
+    Ok(FieldTable {
         values,
         shape: Some(shape.iter().map(size).collect()),
     })

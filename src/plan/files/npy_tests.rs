@@ -19,7 +19,7 @@ fn doubles(values: &[f64]) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> Result<Vec<f64>, FileError> {
-    read_permeability(Path::new("k.npy"), bytes).map(|table| table.values)
+    read_field(Path::new("k.npy"), bytes, Property::PERMEABILITY).map(|table| table.values)
 }
 
 #[test]

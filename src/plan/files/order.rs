@@ -4,16 +4,16 @@ use std::path::Path;
 
 use super::FileError;
 
-/// Permeabilities from a file.
+/// Values of a property from a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PermeabilityTable {
-    /// The values, m²; those of an array in C order (last index fastest).
+pub struct FieldTable {
+    /// The values, SI; those of an array in C order (last index fastest).
     pub values: Vec<f64>,
     /// Shape of the array; `None` for a column of a table.
     pub shape: Option<Vec<usize>>,
 }
 
-impl PermeabilityTable {
+impl FieldTable {
     /// The values in the order of the points, x fastest. `cells` are the points along each axis,
     /// where they form a grid.
     ///
@@ -144,7 +144,7 @@ mod tests {
 
     fn ordered(shape: &[usize], cells: Option<&[usize]>) -> Result<Vec<f64>, String> {
         let count: usize = shape.iter().product();
-        let table = PermeabilityTable {
+        let table = FieldTable {
             values: (0..count).map(|k| k as f64).collect(),
             shape: Some(shape.to_vec()),
         };

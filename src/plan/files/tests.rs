@@ -15,16 +15,16 @@ fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 fn the_format_is_known_by_the_extension_in_any_case() {
     let (_directory, path) = written("points.CSV", b"x,y,volume\n1,2,3\n");
     assert_eq!(read_points(&path).unwrap().position, [1.0, 2.0]);
-    let table = read_permeability(&path, Some("volume")).unwrap();
+    let table = read_field(&path, Some("volume"), Property::PERMEABILITY).unwrap();
     assert_eq!((&table.values[..], table.shape), (&[3.0][..], None));
     for (name, known) in [("a.txt", "`.csv` and `.vtu`"), ("a", "no extension")] {
         let message = read_points(Path::new(name)).unwrap_err().to_string();
         assert!(message.contains(known), "{message}");
     }
-    let message = read_permeability(Path::new("a.vtu"), None)
+    let message = read_field(Path::new("a.vtk"), None, Property::PERMEABILITY)
         .unwrap_err()
         .to_string();
-    assert!(message.contains("`.npy` and `.csv`"), "{message}");
+    assert!(message.contains("`.npy`, `.csv` and `.vtu`"), "{message}");
 }
 
 #[test]
@@ -34,16 +34,81 @@ fn missing_files_and_directories_are_told_apart() {
     assert!(matches!(error, FileError::NotFound { .. }), "{error}");
     let folder = directory.path().join("folder.npy");
     std::fs::create_dir(&folder).unwrap();
-    let error = read_permeability(&folder, None).unwrap_err();
+    let error = read_field(&folder, None, Property::PERMEABILITY).unwrap_err();
     assert!(matches!(error, FileError::IsDirectory { .. }), "{error}");
-    let error = read_permeability(&folder.join("a.npy"), None).unwrap_err();
+    let error = read_field(&folder.join("a.npy"), None, Property::PERMEABILITY).unwrap_err();
     assert!(matches!(error, FileError::NotFound { .. }), "{error}");
 }
 
 #[test]
 fn an_array_file_has_no_columns() {
-    let error = read_permeability(Path::new("k.npy"), Some("k")).unwrap_err();
+    let error = read_field(Path::new("k.npy"), Some("k"), Property::PERMEABILITY).unwrap_err();
     assert!(matches!(error, FileError::ColumnInArray { .. }), "{error}");
+}
+
+#[test]
+fn values_of_every_property_are_checked_where_they_are_read() {
+    let text =
+        "E_Pa,E_GPa,nu,alpha,n,label\n1e9,1,0.2,0.7,0.1,a\n2e9,2,0.5,1,15,b\n0,3,-0.1,1.5,0,c\n";
+    let (_directory, path) = written("rock.csv", text.as_bytes());
+    let fault = |column, property| {
+        read_field(&path, Some(column), property)
+            .unwrap_err()
+            .to_string()
+    };
+    for (column, property, words) in [
+        (
+            "E_Pa",
+            Property::YOUNGS_MODULUS,
+            "line 4: youngs_modulus is 0.0, not positive",
+        ),
+        (
+            "E_GPa",
+            Property::YOUNGS_MODULUS,
+            "has the unit `GPa`; convert the values to Pa and name it `E_Pa`",
+        ),
+        (
+            "nu",
+            Property::POISSONS_RATIO,
+            "line 3: poissons_ratio is 0.5, above 0.499999",
+        ),
+        (
+            "alpha",
+            Property::BIOT_COEFFICIENT,
+            "line 4: biot_coefficient is 1.5, above 1: the pressure",
+        ),
+        (
+            "n",
+            Property::POROSITY,
+            "line 3: porosity is 15.0, above 1: it is a share of the volume",
+        ),
+        (
+            "label",
+            Property::DENSITY,
+            "`a` in column `label` is no number",
+        ),
+        ("storage", Property::STORAGE, "no column `storage`"),
+    ] {
+        let message = fault(column, property);
+        assert!(
+            message.contains(words) && message.contains("rock.csv"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn point_data_are_read_by_the_name_of_the_key_or_of_the_column() {
+    let file = &vtu::tests::files()[1];
+    let (_directory, path) = written("rock.vtu", file);
+    let own = read_field(&path, None, Property::PERMEABILITY).unwrap();
+    assert_eq!(own.values, [1e-15, 2e-15, 3e-15, 4e-15]);
+    let named = read_field(&path, Some("volume"), Property::POROSITY).unwrap();
+    assert_eq!(named.values, [0.01, 0.02, 0.03, 0.04]);
+    let message = read_field(&path, None, Property::STORAGE)
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("no array `storage`"), "{message}");
 }
 
 /// Whatever a reader makes of a damaged file, what it returns must be usable.
@@ -99,7 +164,7 @@ proptest! {
         if let Ok(table) = csv::read_points(Path::new("a.csv"), &bytes) {
             prop_assert!(usable(&table));
         }
-        let _ = csv::read_permeability(Path::new("a.csv"), &bytes, Some("permeability"));
+        let _ = csv::read_field(Path::new("a.csv"), &bytes, Some("permeability"), Property::PERMEABILITY);
     }
 
     #[test]
@@ -118,7 +183,7 @@ proptest! {
     fn damaged_npy_gives_an_error_or_sound_values(changes in changes(), end in cut()) {
         let file = npy::tests::npy("'<f8'", true, "(2, 3)", &[1_f64; 6].map(f64::to_le_bytes).concat());
         let bytes = damage(&file, &changes, end);
-        if let Ok(table) = npy::read_permeability(Path::new("a.npy"), &bytes) {
+        if let Ok(table) = npy::read_field(Path::new("a.npy"), &bytes, Property::PERMEABILITY) {
             let values = table.values;
             prop_assert!(!values.is_empty() && values.iter().all(|k| k.is_finite() && *k > 0.0));
         }

@@ -5,12 +5,26 @@ use std::path::Path;
 use super::{FileError, Place, ValueFault};
 
 /// The numbers a quantity may have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Allowed {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Allowed {
     /// Any finite number.
     Finite,
     /// Finite and greater than zero.
     Positive,
+    /// Greater than zero and not above a limit.
+    Share {
+        /// The limit.
+        most: f64,
+        /// Why it is no more.
+        why: &'static str,
+    },
+    /// From zero to a limit.
+    UpTo {
+        /// The limit, allowed.
+        most: f64,
+        /// Why it is no more.
+        why: &'static str,
+    },
 }
 
 /// Fails with the first bad value and the number of them; `place` tells where an entry stands.
@@ -39,13 +53,21 @@ pub(super) fn check(
     })
 }
 
-fn fault(value: f64, allowed: Allowed) -> Option<ValueFault> {
+/// What is wrong with a value, if anything is.
+pub fn fault(value: f64, allowed: Allowed) -> Option<ValueFault> {
     if value.is_nan() {
-        Some(ValueFault::Nan)
-    } else if value.is_infinite() {
-        Some(ValueFault::Infinite)
-    } else {
-        (allowed == Allowed::Positive && value <= 0.0).then_some(ValueFault::NotPositive)
+        return Some(ValueFault::Nan);
+    }
+    if value.is_infinite() {
+        return Some(ValueFault::Infinite);
+    }
+    match allowed {
+        Allowed::Positive | Allowed::Share { .. } if value <= 0.0 => Some(ValueFault::NotPositive),
+        Allowed::UpTo { .. } if value < 0.0 => Some(ValueFault::Negative),
+        Allowed::Share { most, why } | Allowed::UpTo { most, why } if value > most => {
+            Some(ValueFault::Above { most, why })
+        }
+        _ => None,
     }
 }
 
@@ -80,6 +102,26 @@ mod tests {
             verdict(&[f64::NEG_INFINITY], Allowed::Positive).unwrap().1,
             ValueFault::Infinite
         );
+    }
+
+    #[test]
+    fn what_is_above_a_limit_is_told_with_it() {
+        let why = "it is a share of the volume";
+        let share = Allowed::Share { most: 0.8, why };
+        assert_eq!(verdict(&[0.8, 1e-9], share), None);
+        assert_eq!(
+            verdict(&[0.2, 0.0], share).unwrap().1,
+            ValueFault::NotPositive
+        );
+        let above = ValueFault::Above { most: 0.8, why };
+        assert_eq!(verdict(&[0.9, 0.2], share), Some((0, above, 1)));
+        assert!(
+            above.to_string().contains("above 0.8: it is a share"),
+            "{above}"
+        );
+        let ratio = Allowed::UpTo { most: 0.4, why };
+        assert_eq!(verdict(&[0.0, 0.4], ratio), None);
+        assert_eq!(verdict(&[-0.1], ratio).unwrap().1, ValueFault::Negative);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! there; here are those that need a file or another crate.
 
 mod control;
+mod fields;
 mod flow;
 mod fracture;
 mod geometry;
@@ -18,7 +19,7 @@ use perifrac_solvers::SolverSpec;
 
 use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, StartPlan, TimeMode};
 use crate::geometry::Side;
-use crate::material::Lame;
+use crate::material::{Elasticity, Lame};
 use crate::plan::capability;
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors, Span};
 
@@ -284,16 +285,20 @@ fn split_doubt(plan: &Plan) -> Option<String> {
     if !splits || !rests || plan.coupling.is_none() || plan.time.mode == TimeMode::Steady {
         return None;
     }
+    let closer = |a: &(f64, f64), b: &(f64, f64)| (a.0 / a.1).total_cmp(&(b.0 / b.1));
     let strength = |material: &MaterialPlan| {
-        let Lame { lambda, mu } = material.elasticity?.lame();
-        let strain = material.biot_coefficient?.powi(2) / material.storage;
-        let bulk = lambda + 2.0 * mu / plan.dimension as f64;
-        let bar = 1.0 + 2.0 * relaxation * strain / bulk;
-        Some((strain / (lambda + 2.0 * mu), bar))
+        let alpha = material.biot_coefficient.as_ref()?.range()[1];
+        let strain = alpha.powi(2) / material.storage.least();
+        let of = |rock: Elasticity| {
+            let Lame { lambda, mu } = rock.lame();
+            let bulk = lambda + 2.0 * mu / plan.dimension as f64;
+            let bar = 1.0 + 2.0 * relaxation * strain / bulk;
+            (strain / (lambda + 2.0 * mu), bar)
+        };
+        let softest = material.elasticity.as_ref()?.softest().map(of);
+        softest.into_iter().max_by(closer)
     };
-    let worst = (plan.materials.iter())
-        .filter_map(strength)
-        .max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)));
+    let worst = (plan.materials.iter()).filter_map(strength).max_by(closer);
     worst.filter(|(own, bar)| own > bar).map(|(own, bar)| {
         format!(
             "scheme.relaxation = {relaxation} with coupling strength {own:.1}: the split alone \

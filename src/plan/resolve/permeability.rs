@@ -1,13 +1,9 @@
-//! Permeabilities: values, arrays from files, random fields and tensors.
-
-use std::path::PathBuf;
+//! Permeabilities: fields and tensors.
 
 use super::Resolver;
-use crate::plan::files::{BUNDLED, check_cells, check_length, read_permeability};
-use crate::plan::types::{
-    GeometryPlan, GradientChoice, OperatorChoice, PermeabilityPlan, Plan, with_contrast,
-};
-use crate::scene::{self, PermeabilityField, Span, Spanned};
+use crate::plan::files::Property;
+use crate::plan::types::{GeometryPlan, GradientChoice, OperatorChoice, PermeabilityPlan, Plan};
+use crate::scene::{self, PermeabilityField, Span, Typed};
 
 impl Resolver<'_> {
     pub(super) fn permeability(
@@ -15,18 +11,14 @@ impl Resolver<'_> {
         field: &PermeabilityField,
         geometry: Option<&GeometryPlan>,
     ) -> Option<PermeabilityPlan> {
+        let scalar = |own: &mut Self, typed| {
+            let field = own.field(typed, Property::PERMEABILITY, geometry);
+            field.map(PermeabilityPlan::Field)
+        };
         Some(match field {
-            PermeabilityField::Value(value) => PermeabilityPlan::Uniform(value.value()),
-            PermeabilityField::File(file) => self.permeability_file(file, geometry)?,
-            PermeabilityField::Distribution(field) => PermeabilityPlan::LogNormal {
-                median: field.median.value(),
-                log10_std: field.log10_std.value(),
-                decades: field
-                    .decades
-                    .map_or(f64::INFINITY, |decades| decades.value()),
-                correlation_length: field.correlation_length.map(|length| length.value()),
-                seed: field.seed,
-            },
+            PermeabilityField::Value(value) => scalar(self, Typed::Value(*value))?,
+            PermeabilityField::File(file) => scalar(self, Typed::File(file))?,
+            PermeabilityField::Distribution(random) => scalar(self, Typed::Distribution(random))?,
             PermeabilityField::K1(tensor) => {
                 self.in_the_plane(tensor.k1.span(), geometry)?;
                 principal(tensor)
@@ -47,87 +39,6 @@ impl Resolver<'_> {
             ),
             _ => Some(()),
         }
-    }
-
-    fn permeability_file(
-        &mut self,
-        file: &scene::PermeabilityFile,
-        geometry: Option<&GeometryPlan>,
-    ) -> Option<PermeabilityPlan> {
-        let cells = match &file.cells {
-            Some(typed) => Some(self.laid_cells(typed, geometry)?),
-            None => None,
-        };
-        let values = self.array(file, cells.as_deref(), geometry)?;
-        let values = match file.contrast {
-            None => values,
-            Some(contrast) => match with_contrast(&values, contrast.value()) {
-                Some(stretched) => stretched,
-                None => {
-                    let message =
-                        "all values of the file are the same, and have no `contrast`; leave it out";
-                    return self.fault(contrast.span(), message);
-                }
-            },
-        };
-        Some(PermeabilityPlan::Table {
-            path: file.file.value.clone(),
-            values,
-            cells,
-        })
-    }
-
-    /// Values of a file, x fastest: one for each of the `cells` laid over the domain, else for each point.
-    fn array(
-        &mut self,
-        file: &scene::PermeabilityFile,
-        cells: Option<&[usize]>,
-        geometry: Option<&GeometryPlan>,
-    ) -> Option<Vec<f64>> {
-        let path = match file.file.starts_with(BUNDLED) {
-            true => PathBuf::from(&file.file.value),
-            false => self.loaded.path(&file.file),
-        };
-        let column = file.column.as_ref().map(|column| column.value.as_str());
-        let own = geometry.and_then(GeometryPlan::cells);
-        let read = read_permeability(&path, column).and_then(|table| {
-            let values = match geometry {
-                Some(_) => table.in_point_order(&path, cells.or(own.as_deref()))?,
-                // The fault of the geometry is told; its points are not known.
-                None => table.values,
-            };
-            match (cells, geometry.and_then(GeometryPlan::count)) {
-                (Some(cells), _) => check_cells(&file.file, values.len(), cells)?,
-                (None, Some(points)) => check_length(&file.file, values.len(), points)?,
-                (None, None) => {}
-            }
-            Ok(values)
-        });
-        match read {
-            Ok(values) => Some(values),
-            Err(error) => self.fault(file.file.span, error),
-        }
-    }
-
-    /// Cells along each axis of an array that is laid over the domain.
-    fn laid_cells(
-        &mut self,
-        typed: &Spanned<Vec<u32>>,
-        geometry: Option<&GeometryPlan>,
-    ) -> Option<Vec<usize>> {
-        let dimension = geometry.map_or(typed.len(), GeometryPlan::dimension);
-        if typed.len() != dimension || typed.contains(&0) {
-            let message = format!(
-                "`cells` must be {dimension} positive numbers, one for each axis of the domain"
-            );
-            return self.fault(typed.span, message);
-        }
-        if let Some(GeometryPlan::Points { bounds: None, .. }) = geometry {
-            let message = "an array is laid over the domain, and points from a file have one only with \
-                           `geometry.bounds`; give the bounds, or one value for each point without `cells`";
-            return self.fault(typed.span, message);
-        }
-        Some(typed.iter().map(|&cells| cells as usize).collect())
     }
 
     /// Where permeabilities are tensors, what only numbers go together with is refused.

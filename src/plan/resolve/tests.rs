@@ -8,9 +8,9 @@ use crate::geometry::{Horizon, Shape};
 use crate::load::Load;
 use crate::plan::{
     Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel,
-    DamagePlan, EnergySplit, Exponent, FractureFlowPlan, GradientChoice, HourglassRule,
-    InjectionPlan, Integrator, Normalise, SchemeChoice, SolidMethod, Support, TimeMode,
-    TransmissivityRule,
+    DamagePlan, EnergySplit, Exponent, FieldPlan, FractureFlowPlan, GradientChoice, HourglassRule,
+    InjectionPlan, Integrator, Normalise, SchemeChoice, SolidMethod, StoragePlan, Support,
+    TimeMode, TransmissivityRule,
 };
 use crate::scene::load_str;
 
@@ -66,7 +66,7 @@ fn mechanics_alone_has_its_defaults_and_no_other_effect() {
     assert!(rock.permeability.is_none() && rock.biot_coefficient.is_none());
     assert!(rock.density.is_none());
     // E = 10 GPa and ν = 1/4 give λ = μ = 4 GPa.
-    let lame = rock.elasticity.unwrap().lame();
+    let lame = rock.uniform_elasticity().unwrap().lame();
     assert!((lame.lambda - 4e9).abs() < 1.0 && (lame.mu - 4e9).abs() < 1.0);
 }
 
@@ -123,7 +123,8 @@ fn coupling_brings_the_biot_coefficient_beside_the_storage() {
     let coupled = plan(&[FLOW, &["coupling.undrained_start=false"]].concat());
     assert!(!coupled.coupling.unwrap().undrained_start);
     let rock = &coupled.materials[0];
-    assert_eq!((rock.storage, rock.biot_coefficient), (1e-10, Some(0.8)));
+    assert_eq!(rock.storage, StoragePlan::Given(FieldPlan::Uniform(1e-10)));
+    assert_eq!(rock.biot_coefficient, Some(FieldPlan::Uniform(0.8)));
     assert!(rock.permeability.is_some());
     let started = plan(&[FLOW, &["coupling={}"]].concat());
     assert!(started.coupling.unwrap().undrained_start);
@@ -240,7 +241,10 @@ const BROKEN: &[&str] = &[
 fn what_breaks_arrives_in_si_with_its_defaults() {
     let plan = plan(&[FLOW, BROKEN].concat());
     assert_eq!(plan.horizon, Horizon::Radius(0.4));
-    assert_eq!(plan.materials[0].fracture_energy, Some(50.0));
+    assert_eq!(
+        plan.materials[0].fracture_energy,
+        Some(FieldPlan::Uniform(50.0))
+    );
     let damage = DamagePlan {
         model: DamageModel::Paper,
         exponent: Exponent::Two,
@@ -311,4 +315,43 @@ fn a_disc_has_a_normal_of_length_one() {
     assert!(plan.cracks[0].points().is_empty());
     assert_eq!(plan.damage.unwrap().shortest_step, 1e-3);
     assert_eq!(plan.scheme, SchemeChoice::Implicit(Integrator::TrBdf2));
+}
+
+/// Scalars stay what they were, and storage by Eq. 38 is one number as long as nothing in it varies.
+#[test]
+fn storage_is_a_number_until_something_in_it_varies() {
+    let porous = &[
+        "fluid={viscosity = \"1 cP\", bulk_modulus = \"2 GPa\"}",
+        "flow={}",
+        "coupling={}",
+        "materials.rock.permeability=1 mD",
+        "materials.rock.porosity=0.2",
+        "materials.rock.biot_coefficient=0.7",
+        "materials.rock.bulk_modulus=10 GPa",
+    ];
+    let storage = |sets: &[&str]| {
+        plan(&[&porous[..], sets].concat()).materials[0]
+            .storage
+            .clone()
+    };
+    let one = crate::material::storage_coefficient(0.2, 0.7, 1e10, 2e9);
+    assert_eq!(storage(&[]), StoragePlan::Given(FieldPlan::Uniform(one)));
+    let random = "materials.rock.porosity={distribution = \"log-normal\", median = 0.2, log10_std = 0.1, seed = 3, \
+                  decades = 1}";
+    let field = storage(&[random]);
+    let StoragePlan::Porous(own) = &field else {
+        panic!("{field:?}")
+    };
+    let drawn = FieldPlan::LogNormal {
+        median: 0.2,
+        log10_std: 0.1,
+        decades: 1.0,
+        correlation_length: None,
+        seed: 3,
+    };
+    assert_eq!((&own.porosity, own.fluid), (&drawn, 2e9));
+    assert_eq!(field.uniform(), None);
+    // Four deviations below the median.
+    let least = crate::material::storage_coefficient(0.2 * 10_f64.powf(-0.4), 0.7, 1e10, 2e9);
+    assert!((field.least() / least - 1.0).abs() < 1e-12);
 }

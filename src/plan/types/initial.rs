@@ -1,6 +1,6 @@
 //! What a plan says about the stress of the in-situ state.
 
-use super::Plan;
+use super::{MaterialPlan, Plan};
 use crate::geometry::Shape;
 
 /// Stress that is in equilibrium before the run, Pa, tension positive; components xx, yy, zz, xy, yz, xz.
@@ -33,8 +33,9 @@ impl InitialPlan {
 /// Whether α p is the same everywhere at the start.
 fn pushes_evenly(plan: &Plan) -> bool {
     let Some(flow) = &plan.flow else { return true };
-    let mut all = plan.materials.iter().map(|own| own.biot_coefficient);
-    let first = all.next();
-    let same = all.all(|own| Some(own) == first);
+    let uniform = |own: &MaterialPlan| own.biot_coefficient.as_ref()?.uniform();
+    let mut all = plan.materials.iter().map(uniform);
+    let first = all.next().flatten();
+    let same = first.is_some() && all.all(|own| own == first);
     !flow.hydrostatic_start && (same || flow.initial_pressure.abs() <= 0.0)
 }

@@ -1,8 +1,8 @@
 //! What a plan says about the rock.
 
-use super::{DamagePlan, Plan};
+use super::{DamagePlan, FieldPlan, Plan};
 use crate::geometry::Shape;
-use crate::material::{DamageModel, Elasticity};
+use crate::material::{DamageModel, Elasticity, storage_coefficient};
 
 /// A material and where it is.
 #[derive(Debug, Clone)]
@@ -14,32 +14,29 @@ pub struct MaterialPlan {
     /// Permeability; always there if there is flow.
     pub permeability: Option<PermeabilityPlan>,
     /// Storage coefficient s in 1/Pa, given or from Eq. 38; 1 where nothing needs it.
-    pub storage: f64,
+    pub storage: StoragePlan,
     /// Elastic constants of the drained rock; always there if there is mechanics.
-    pub elasticity: Option<Elasticity>,
+    pub elasticity: Option<ElasticityPlan>,
     /// Biot coefficient α; always there if flow and mechanics are coupled.
-    pub biot_coefficient: Option<f64>,
+    pub biot_coefficient: Option<FieldPlan>,
     /// Density of the rock with its fluid, kg/m³; always there if its weight or inertia acts.
-    pub density: Option<f64>,
+    pub density: Option<FieldPlan>,
     /// Energy G_c that a crack takes per area, J/m²; always there if rock can break.
-    pub fracture_energy: Option<f64>,
+    pub fracture_energy: Option<FieldPlan>,
+}
+
+impl MaterialPlan {
+    /// The elastic constants, if they are the same everywhere in the material.
+    pub fn uniform_elasticity(&self) -> Option<Elasticity> {
+        self.elasticity.as_ref()?.uniform()
+    }
 }
 
 /// Where a permeability comes from.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum PermeabilityPlan {
-    /// One value, m².
-    Uniform(f64),
-    /// Values from a file.
-    Table {
-        /// The file, for messages.
-        path: String,
-        /// Values, m², x fastest.
-        values: Vec<f64>,
-        /// Cells along each axis of an array that is laid over the domain; `None` for one value per point of
-        /// the cloud.
-        cells: Option<Vec<usize>>,
-    },
+    /// The same in all directions, m².
+    Field(FieldPlan),
     /// A tensor in the plane.
     Tensor {
         /// Largest principal permeability, m².
@@ -47,19 +44,99 @@ pub enum PermeabilityPlan {
         /// Components xx, yy and xy in units of it.
         shape: [f64; 3],
     },
-    /// Log-normal field.
-    LogNormal {
-        /// Median, m².
-        median: f64,
-        /// Standard deviation of the decimal logarithm.
-        log10_std: f64,
-        /// Total range in decades, to which values are clipped; infinite for none.
-        decades: f64,
-        /// Correlation length, m; `None` for independent points.
-        correlation_length: Option<f64>,
-        /// Seed.
-        seed: u64,
-    },
+}
+
+impl PermeabilityPlan {
+    /// The permeability, m², if it is the same everywhere and in all directions.
+    pub fn uniform(&self) -> Option<f64> {
+        match self {
+            Self::Field(field) => field.uniform(),
+            Self::Tensor { .. } => None,
+        }
+    }
+}
+
+/// Where the storage of a material comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StoragePlan {
+    /// Storage coefficient, 1/Pa: given, or from Eq. 38 where all in it is the same everywhere.
+    Given(FieldPlan),
+    /// From Eq. 38 point by point.
+    Porous(PorousPlan),
+}
+
+impl StoragePlan {
+    /// The coefficient, 1/Pa, if it is the same everywhere in the material.
+    pub fn uniform(&self) -> Option<f64> {
+        match self {
+            Self::Given(field) => field.uniform(),
+            Self::Porous(_) => None,
+        }
+    }
+
+    /// Smallest coefficient to be expected, 1/Pa, see [`FieldPlan::range`].
+    pub fn least(&self) -> f64 {
+        match self {
+            Self::Given(field) => field.range()[0],
+            Self::Porous(porous) => porous.least(),
+        }
+    }
+}
+
+/// What Eq. 38 makes storage of, where some of it varies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PorousPlan {
+    /// Porosity n.
+    pub porosity: FieldPlan,
+    /// Biot coefficient α.
+    pub biot_coefficient: FieldPlan,
+    /// Bulk modulus of the rock, Pa.
+    pub bulk_modulus: FieldPlan,
+    /// Bulk modulus of the fluid, Pa; infinite where it has none.
+    pub fluid: f64,
+}
+
+impl PorousPlan {
+    /// Smallest storage in the box of all ranges, 1/Pa; porosities above the Biot coefficient left out.
+    fn least(&self) -> f64 {
+        let ranges = [&self.porosity, &self.biot_coefficient, &self.bulk_modulus];
+        let ranges = ranges.map(FieldPlan::range);
+        let corner = |k: usize| {
+            let [n, alpha, rock] = std::array::from_fn(|axis| ranges[axis][k >> axis & 1]);
+            storage_coefficient(n.min(alpha), alpha, rock, self.fluid)
+        };
+        (0..8).map(corner).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Elastic constants of a material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticityPlan {
+    /// Young's modulus E, Pa.
+    pub youngs_modulus: FieldPlan,
+    /// Poisson's ratio ν.
+    pub poissons_ratio: FieldPlan,
+}
+
+impl ElasticityPlan {
+    /// The constants, if they are the same everywhere in the material.
+    pub fn uniform(&self) -> Option<Elasticity> {
+        Some(Elasticity {
+            youngs_modulus: self.youngs_modulus.uniform()?,
+            poissons_ratio: self.poissons_ratio.uniform()?,
+        })
+    }
+
+    /// The softest rocks to be expected: the smallest modulus with the smallest and the largest ratio.
+    pub fn softest(&self) -> [Elasticity; 2] {
+        let youngs_modulus = self.youngs_modulus.range()[0];
+        self.poissons_ratio
+            .range()
+            .map(|poissons_ratio| Elasticity {
+                youngs_modulus,
+                poissons_ratio,
+            })
+    }
 }
 
 impl Plan {
@@ -75,33 +152,11 @@ impl Plan {
             |own: &MaterialPlan| matches!(own.permeability, Some(PermeabilityPlan::Tensor { .. }));
         self.flow.is_some() && self.materials.iter().any(is_tensor)
     }
-}
 
-/// Positive values with their logarithms stretched about the middle of their range, until the largest is
-/// `contrast` times the smallest; `None` if they are all the same.
-pub fn with_contrast(values: &[f64], contrast: f64) -> Option<Vec<f64>> {
-    let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-    let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let (middle, stretch) = (0.5 * (low + high), contrast.ln() / (high - low));
-    let stretched = logs
-        .iter()
-        .map(|log| (middle + stretch * (log - middle)).exp());
-    (high > low).then(|| stretched.collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_contrast_keeps_the_middle_and_the_order_of_values() {
-        let stretched = with_contrast(&[1.0, 1e2, 1e4], 1e8).unwrap();
-        for (found, wanted) in stretched.iter().zip([1e-2, 1e2, 1e6]) {
-            assert!((found / wanted - 1.0).abs() < 1e-13);
-        }
-        let turned = with_contrast(&[1.0, 1e2, 1e4], 1e-4).unwrap();
-        assert!((turned[0] / 1e4 - 1.0).abs() < 1e-13 && (turned[2] - 1.0).abs() < 1e-13);
-        assert!(with_contrast(&[3.0, 3.0], 10.0).is_none());
+    /// Whether elastic constants vary within a material.
+    pub fn has_elastic_fields(&self) -> bool {
+        let varies = |own: &ElasticityPlan| own.uniform().is_none();
+        let mut elastic = (self.materials.iter()).filter_map(|own| own.elasticity.as_ref());
+        elastic.any(varies)
     }
 }

@@ -2,6 +2,7 @@
 
 mod crack;
 mod damage;
+mod field;
 mod initial;
 mod material;
 mod mechanics;
@@ -21,8 +22,9 @@ pub use damage::{
     ApertureRule, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FractureFlowPlan,
     HourglassRule, Normalise, TransmissivityRule,
 };
+pub use field::{FieldPlan, with_contrast};
 pub use initial::InitialPlan;
-pub use material::{MaterialPlan, PermeabilityPlan, with_contrast};
+pub use material::{ElasticityPlan, MaterialPlan, PermeabilityPlan, PorousPlan, StoragePlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};
 pub use scheme::{
     Acceleration, AdrDamping, Integrator, SchemeChoice, SchemeOptions, SchemeStart, SolidMethod,

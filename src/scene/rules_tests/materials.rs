@@ -100,9 +100,27 @@ fn material_rules() {
             "0",
         ),
         (
+            "storage = \"1e-10 1/Pa\"",
+            "storage = {distribution = \"log-normal\", median = -1, log10_std = 1}",
+            "`median` must be positive",
+            "-1",
+        ),
+        (
+            "storage = \"1e-10 1/Pa\"",
+            "storage = {distribution = \"log-normal\", median = \"1 m\", log10_std = 1}",
+            "expected an inverse pressure (1/Pa), found a length: \"1 m\"",
+            "\"1 m\"",
+        ),
+        (
+            "porosity = 0.2",
+            "porosity = {file = \"n.npy\", contrast = 0}",
+            "`contrast` must be positive",
+            "0",
+        ),
+        (
             "permeability = \"10 mD\"",
             "permeability = {file = \"k.txt\"}",
-            "`file` must be a file ending in `npy` or `csv`",
+            "`file` must be a file ending in `npy`, `csv` or `vtu`",
             "\"k.txt\"",
         ),
         (

@@ -1,12 +1,15 @@
 //! `[materials.NAME]`: what the rock is like, and where.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
+use super::fields::{
+    Field, FieldDistribution, FieldFile, ReadField, Typed, check_distribution, check_file,
+};
 use super::geometry::Geometry;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{
-    Angle, Density, FractureEnergy, InversePressure, Length, Number, Permeability, Pressure,
+    Angle, Density, FractureEnergy, InversePressure, Number, Permeability, Pressure,
 };
 use crate::scene::range::{Range, within};
 use crate::scene::shape::Shape;
@@ -22,24 +25,25 @@ pub struct Material {
     /// Intrinsic permeability K, m²; needed where there is flow.
     pub permeability: Option<Spanned<PermeabilityField>>,
     /// Storage s, 1/Pa. Excludes `porosity` and `bulk_modulus`.
-    pub storage: Option<InversePressure>,
-    /// Porosity n.
+    pub storage: Option<Spanned<Field<InversePressure>>>,
+    /// Porosity n; fields are above 0.
     #[schemars(transform = within(&POROSITY))]
-    pub porosity: Option<Number>,
+    pub porosity: Option<Spanned<Field<Number>>>,
     /// Biot coefficient α, from the porosity to 1; needed where flow and mechanics are coupled.
     #[schemars(transform = within(&BIOT_COEFFICIENT))]
-    pub biot_coefficient: Option<Number>,
+    pub biot_coefficient: Option<Spanned<ReadField<Number>>>,
     /// Bulk modulus of the rock, Pa.
-    pub bulk_modulus: Option<Pressure>,
-    /// Young's modulus E of the drained rock, Pa; needed where there is mechanics.
-    pub youngs_modulus: Option<Pressure>,
+    pub bulk_modulus: Option<Spanned<ReadField<Pressure>>>,
+    /// Young's modulus E of the drained rock, Pa; needed where there is mechanics. Where it is a field, families have
+    /// the layers of the cells of their points (`mechanics.interfaces`).
+    pub youngs_modulus: Option<Spanned<Field<Pressure>>>,
     /// Poisson's ratio ν of the drained rock, from 0, below 0.5; needed where there is mechanics.
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 0.5))]
-    pub poissons_ratio: Option<Number>,
+    pub poissons_ratio: Option<Spanned<ReadField<Number>>>,
     /// Density of the rock with its fluid, kg/m³; needed where its weight or inertia acts.
-    pub density: Option<Density>,
+    pub density: Option<Spanned<Field<Density>>>,
     /// Energy G_c that a crack takes per area, J/m²; needed where there is damage.
-    pub fracture_energy: Option<FractureEnergy>,
+    pub fracture_energy: Option<Spanned<Field<FractureEnergy>>>,
 }
 
 /// Intrinsic permeability, m²: one value, from a file, drawn at random, or a tensor.
@@ -50,9 +54,9 @@ pub enum PermeabilityField {
     /// The same everywhere, m².
     Value(Permeability),
     /// From a file: one value for each point, or for each cell of an array laid over the domain.
-    File(PermeabilityFile),
+    File(FieldFile),
     /// A random field.
-    Distribution(PermeabilityDistribution),
+    Distribution(FieldDistribution<Permeability>),
     /// A tensor by its principal permeabilities.
     K1(PrincipalPermeability),
     /// A tensor by its components.
@@ -90,54 +94,6 @@ pub struct PermeabilityTensor {
     pub xy: Permeability,
 }
 
-/// Permeability from a file, m².
-#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PermeabilityFile {
-    /// A `.npy` or `.csv` file, relative to the scene file, or `bundled:NAME` for one that comes with the
-    /// program. On a lattice or graded grid an array may
-    /// have the shape of the grid, with the indices `[ix, iy]` (`[ix, iy, iz]`) from the lowest
-    /// corner; a column or a flat array is in the order of the points (x fastest).
-    pub file: Spanned<String>,
-    /// Column of a `.csv` file.
-    pub column: Option<Spanned<String>>,
-    /// Cells along each axis of an array that is laid over the domain: a point takes the value of the cell
-    /// in which it lies, whatever the cloud. Without it there is one value for each point.
-    pub cells: Option<Spanned<Vec<u32>>>,
-    /// Largest over smallest value: logarithms are stretched about the middle of their range. Below 1 high and low
-    /// change places. The values as they are if absent.
-    pub contrast: Option<Number>,
-}
-
-/// A random field of permeability.
-#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PermeabilityDistribution {
-    /// Kind of distribution.
-    pub distribution: Distribution,
-    /// Median, m².
-    pub median: Permeability,
-    /// Standard deviation of the decimal logarithm.
-    #[schemars(transform = within(&LOG10_STD))]
-    pub log10_std: Number,
-    /// Whole range in decades, clipped around the median; not clipped if absent.
-    #[schemars(transform = within(&DECADES))]
-    pub decades: Option<Number>,
-    /// Correlation length, m; neighbours are independent if absent.
-    pub correlation_length: Option<Length>,
-    /// Seed of the random numbers.
-    #[serde(default)]
-    pub seed: u64,
-}
-
-/// Kinds of random fields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Distribution {
-    /// The logarithm is normally distributed.
-    LogNormal,
-}
-
 const POROSITY: Range = Range {
     key: "porosity",
     low: 0.0,
@@ -150,46 +106,25 @@ const BIOT_COEFFICIENT: Range = Range {
     high: 1.0,
     why: "the pressure of the fluid acts on the rock by no more than all of itself",
 };
-const LOG10_STD: Range = Range {
-    key: "log10_std",
-    low: 0.0,
-    high: 3.0,
-    why: "at 3 a few thousand points span 22 decades, and doubles carry 16 digits",
-};
-const DECADES: Range = Range {
-    key: "decades",
-    low: 1e-3,
-    high: 22.0,
-    why: "doubles carry 16 digits, so that wider contrasts are lost to rounding",
-};
-
-/// How storage is given.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Storage {
-    /// The value itself, 1/Pa.
-    Given(f64),
-    /// From the porous medium by Eq. 38, together with the fluid's bulk modulus.
-    Derived {
-        /// Porosity n.
-        porosity: f64,
-        /// Biot coefficient α.
-        biot_coefficient: f64,
-        /// Bulk modulus of the rock, Pa.
-        bulk_modulus: f64,
-    },
-}
-
 impl Material {
-    /// How storage is given, if it is.
-    pub fn storage(&self) -> Option<Storage> {
-        if let Some(storage) = self.storage {
-            return Some(Storage::Given(storage.value()));
-        }
-        Some(Storage::Derived {
-            porosity: self.porosity?.value(),
-            biot_coefficient: self.biot_coefficient?.value(),
-            bulk_modulus: self.bulk_modulus?.value(),
-        })
+    /// The files of its properties.
+    pub fn files(&self) -> impl Iterator<Item = &FieldFile> {
+        let permeability = match self.permeability.as_deref() {
+            Some(PermeabilityField::File(file)) => Some(file),
+            _ => None,
+        };
+        let all = [
+            permeability,
+            self.storage.as_ref().and_then(|own| own.typed().file()),
+            self.porosity.as_ref().and_then(|own| own.typed().file()),
+            (self.biot_coefficient.as_ref()).and_then(|own| own.typed().file()),
+            (self.bulk_modulus.as_ref()).and_then(|own| own.typed().file()),
+            (self.youngs_modulus.as_ref()).and_then(|own| own.typed().file()),
+            (self.poissons_ratio.as_ref()).and_then(|own| own.typed().file()),
+            self.density.as_ref().and_then(|own| own.typed().file()),
+            (self.fracture_energy.as_ref()).and_then(|own| own.typed().file()),
+        ];
+        all.into_iter().flatten()
     }
 }
 
@@ -243,34 +178,8 @@ pub(super) const EXAMPLE: &str = "add [materials.rock] with `permeability` and `
 fn check_permeability(field: &PermeabilityField, report: &mut Report) {
     match field {
         PermeabilityField::Value(value) => report.positive("permeability", *value),
-        PermeabilityField::File(source) => {
-            report.file("file", &source.file, &["npy", "csv"]);
-            if let Some(column) = &source.column
-                && source.file.to_lowercase().ends_with(".npy")
-            {
-                let fault = Diagnostic::new("a `.npy` file has no columns").at(column.span);
-                report.add(
-                    fault
-                        .also(source.file.span, "the file")
-                        .help("remove `column`"),
-                );
-            }
-            if let Some(contrast) = source.contrast {
-                report.positive("contrast", contrast);
-            }
-        }
-        PermeabilityField::Distribution(random) => {
-            report.positive("median", random.median);
-            LOG10_STD.check(random.log10_std, report);
-            random
-                .decades
-                .into_iter()
-                .for_each(|decades| DECADES.check(decades, report));
-            let length = random.correlation_length;
-            length
-                .into_iter()
-                .for_each(|length| report.positive("correlation_length", length));
-        }
+        PermeabilityField::File(source) => check_file(source, report),
+        PermeabilityField::Distribution(random) => check_distribution(random, report),
         PermeabilityField::K1(principal) => {
             report.positive("k1", principal.k1);
             report.positive("k2", principal.k2);
@@ -295,21 +204,28 @@ fn check_permeability(field: &PermeabilityField, report: &mut Report) {
 }
 
 fn check_solid(material: &Material, report: &mut Report) {
-    if let Some(modulus) = material.youngs_modulus {
-        report.positive("youngs_modulus", modulus);
+    if let Some(modulus) = &material.youngs_modulus {
+        let positive = |own, report: &mut Report| report.positive("youngs_modulus", own);
+        modulus.typed().check(report, positive);
     }
-    if let Some(ratio) = material.poissons_ratio {
-        report.not_negative("poissons_ratio", ratio);
-        if ratio.value() >= 0.5 {
-            let fault = Diagnostic::new("`poissons_ratio` must be below 0.5").at(ratio.span());
-            report.add(fault.help("for rock that keeps its volume: poissons_ratio = 0.49"));
-        }
+    if let Some(ratio) = &material.poissons_ratio {
+        ratio.typed().check(report, check_ratio);
     }
-    if let Some(density) = material.density {
-        report.positive("density", density);
+    if let Some(density) = &material.density {
+        let positive = |own, report: &mut Report| report.positive("density", own);
+        density.typed().check(report, positive);
     }
-    if let Some(energy) = material.fracture_energy {
-        report.positive("fracture_energy", energy);
+    if let Some(energy) = &material.fracture_energy {
+        let positive = |own, report: &mut Report| report.positive("fracture_energy", own);
+        energy.typed().check(report, positive);
+    }
+}
+
+fn check_ratio(ratio: Number, report: &mut Report) {
+    report.not_negative("poissons_ratio", ratio);
+    if ratio.value() >= 0.5 {
+        let fault = Diagnostic::new("`poissons_ratio` must be below 0.5").at(ratio.span());
+        report.add(fault.help("for rock that keeps its volume: poissons_ratio = 0.49"));
     }
 }
 
@@ -361,44 +277,53 @@ fn check_needs(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report
 
 fn check_storage(entry: &Entry<Material>, scene: &Context<'_>, report: &mut Report) {
     let material = &entry.value;
-    material
-        .storage
-        .into_iter()
-        .for_each(|storage| report.positive("storage", storage));
-    material
-        .bulk_modulus
-        .into_iter()
-        .for_each(|value| report.positive("bulk_modulus", value));
-    material
-        .porosity
-        .into_iter()
-        .for_each(|value| POROSITY.check(value, report));
-    let biot = material.biot_coefficient;
-    biot.into_iter()
-        .for_each(|value| BIOT_COEFFICIENT.check(value, report));
-    if let (Some(porosity), Some(biot)) = (material.porosity, biot)
-        && (0.0..porosity.value()).contains(&biot.value())
-    {
-        let fault = Diagnostic::new("`biot_coefficient` must not be below `porosity` (Eq. 38)");
-        report.add(fault.at(biot.span()).also(porosity.span(), "the porosity"));
+    if let Some(storage) = &material.storage {
+        let positive = |own, report: &mut Report| report.positive("storage", own);
+        storage.typed().check(report, positive);
     }
+    if let Some(modulus) = &material.bulk_modulus {
+        let positive = |own, report: &mut Report| report.positive("bulk_modulus", own);
+        modulus.typed().check(report, positive);
+    }
+    check_pores(material, report);
     let parts = [
-        ("porosity", material.porosity.map(|value| value.span())),
-        ("biot_coefficient", biot.map(|value| value.span())),
+        ("porosity", material.porosity.as_ref().map(|own| own.span)),
+        (
+            "biot_coefficient",
+            material.biot_coefficient.as_ref().map(|own| own.span),
+        ),
         (
             "bulk_modulus",
-            material.bulk_modulus.map(|value| value.span()),
+            material.bulk_modulus.as_ref().map(|own| own.span),
         ),
     ];
-    match material.storage {
+    match &material.storage {
         Some(storage) => {
             let [porosity, _, modulus] = parts;
             let part = [porosity, modulus]
                 .into_iter()
                 .find(|(_, span)| span.is_some());
-            part.map(|part| report.at_most_one(&[("storage", Some(storage.span())), part]));
+            part.map(|part| report.at_most_one(&[("storage", Some(storage.span)), part]));
         }
         None => check_derived_storage(entry, &parts, scene, report),
+    }
+}
+
+fn check_pores(material: &Material, report: &mut Report) {
+    let porosity = material.porosity.as_ref().map(|own| own.typed());
+    if let Some(porosity) = porosity {
+        porosity.check(report, |own, report| POROSITY.check(own, report));
+    }
+    let biot = (material.biot_coefficient.as_ref()).map(|own| own.typed());
+    if let Some(biot) = biot {
+        biot.check(report, |own, report| BIOT_COEFFICIENT.check(own, report));
+    }
+    if let (Some(porosity), Some(biot)) =
+        (porosity.and_then(Typed::value), biot.and_then(Typed::value))
+        && (0.0..porosity.value()).contains(&biot.value())
+    {
+        let fault = Diagnostic::new("`biot_coefficient` must not be below `porosity` (Eq. 38)");
+        report.add(fault.at(biot.span()).also(porosity.span(), "the porosity"));
     }
 }
 

@@ -4,6 +4,7 @@ mod audit;
 mod coupling;
 mod cracks;
 mod damage;
+mod fields;
 mod flow;
 mod fluid;
 mod fracture_flow;
@@ -27,6 +28,7 @@ pub use coupling::Coupling;
 pub use cracks::{Crack, CrackDisc, CrackKind, Injection};
 pub(crate) use cracks::{disc_in_plane, points_in_space};
 pub use damage::{Damage, DamageMethod, DamageModel, EnergySplit, Hourglass, Normalise};
+pub use fields::{Distribution, Field, FieldDistribution, FieldFile, ReadField, Typed};
 pub use flow::{
     Condition, Flow, FluxCondition, Gradient, Operator, PressureCondition, PressureRegion,
     SealedCondition,
@@ -41,10 +43,7 @@ pub use geometry::{
 pub use gravity::Gravity;
 pub use horizon::{Horizon, HorizonSize, Influence};
 pub use initial::{Initial, InitialPressure, StressGradient, StressKind, StressRegion};
-pub use materials::{
-    Distribution, Material, PermeabilityDistribution, PermeabilityField, PermeabilityFile,
-    PermeabilityTensor, PrincipalPermeability, Storage,
-};
+pub use materials::{Material, PermeabilityField, PermeabilityTensor, PrincipalPermeability};
 pub use mechanics::{InitialStress, Interfaces, Mechanics, Motion, Support, TractionLoad};
 pub use output::{Output, Probe, Profile};
 pub use reference::{Reference, ReferenceKind};

@@ -270,7 +270,9 @@ injection = { rate = "1e-6 m^2/s", at = ["0.5 m", "0.5 m"] }
         check_boiling(&model, &state)?;
         state.pressure[wet[0]] = -1e6;
         let refused = check_boiling(&model, &state);
-        assert!(matches!(refused, Err(StepError::Boils { pressure, .. }) if pressure == -1e6));
+        assert!(
+            matches!(refused, Err(StepError::Boils { pressure, .. }) if (pressure + 1e6).abs() < 1.0)
+        );
         Ok(())
     }
 }

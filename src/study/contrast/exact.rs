@@ -2,7 +2,7 @@
 
 use crate::geometry::{Side, Vector, border};
 use crate::model::{Model, material_at};
-use crate::plan::{GeometryPlan, PermeabilityPlan, Plan, SideCondition};
+use crate::plan::{GeometryPlan, Plan, SideCondition};
 use crate::reference::two_point_flow;
 use crate::report::Timers;
 
@@ -100,9 +100,9 @@ fn series(plan: &Plan, places: &[Vector<2>], cells: [usize; 2], axis: usize) -> 
             return None;
         }
     }
-    let resistivity = |own: Option<u16>| match plan.materials[usize::from(own?)].permeability {
-        Some(PermeabilityPlan::Uniform(value)) => Some(plan.fluid.viscosity / value),
-        _ => None,
+    let resistivity = |own: Option<u16>| {
+        let permeability = plan.materials[usize::from(own?)].permeability.as_ref()?;
+        Some(plan.fluid.viscosity / permeability.uniform()?)
     };
     let (lower, upper) = plan.geometry.bounds()?;
     let (mut sum, mut from) = (0.0, lower[axis]);

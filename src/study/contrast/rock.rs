@@ -1,6 +1,6 @@
 //! What is varied: the permeability of one of two rocks, or the spread of an array.
 
-use crate::plan::{PermeabilityPlan, Plan, with_contrast};
+use crate::plan::{FieldPlan, PermeabilityPlan, Plan, with_contrast};
 use crate::study::{StudyCase, StudyError};
 
 /// What a contrast changes in a scene.
@@ -19,12 +19,12 @@ impl Varied {
     /// [`StudyError::Unsuited`] for all others.
     pub(super) fn of(subject: &StudyCase) -> Result<Self, StudyError> {
         let materials = &subject.plan.materials;
-        let value = |own: &PermeabilityPlan| match own {
-            PermeabilityPlan::Uniform(value) => Some(*value),
-            _ => None,
-        };
         if let [first, second] = &materials[..] {
-            let values = [first, second].map(|own| own.permeability.as_ref().and_then(value));
+            let values = [first, second].map(|own| {
+                own.permeability
+                    .as_ref()
+                    .and_then(PermeabilityPlan::uniform)
+            });
             if let [Some(one), Some(two)] = values {
                 // The later one of equals: a region within the rock.
                 let (most, other) = if one > two {
@@ -39,7 +39,8 @@ impl Varied {
             }
         }
         if let [only] = &materials[..]
-            && let Some(PermeabilityPlan::Table { values, .. }) = &only.permeability
+            && let Some(PermeabilityPlan::Field(FieldPlan::Table { values, .. })) =
+                &only.permeability
             && with_contrast(values, 1.0).is_some()
         {
             return Ok(Varied::Array {
@@ -73,10 +74,16 @@ impl Varied {
         let (Varied::Layer { name, .. } | Varied::Array { name }) = self;
         for own in plan.materials.iter_mut().filter(|own| own.name == *name) {
             match (self, &mut own.permeability) {
-                (Varied::Layer { other, .. }, Some(PermeabilityPlan::Uniform(value))) => {
+                (
+                    Varied::Layer { other, .. },
+                    Some(PermeabilityPlan::Field(FieldPlan::Uniform(value))),
+                ) => {
                     *value = contrast * other;
                 }
-                (Varied::Array { .. }, Some(PermeabilityPlan::Table { values, .. })) => {
+                (
+                    Varied::Array { .. },
+                    Some(PermeabilityPlan::Field(FieldPlan::Table { values, .. })),
+                ) => {
                     if let Some(stretched) = with_contrast(values, contrast) {
                         *values = stretched;
                     }

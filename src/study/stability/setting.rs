@@ -2,7 +2,7 @@
 
 use super::theory::{Lattice, Mode, Split};
 use crate::geometry::Horizon;
-use crate::plan::{FlowPlan, GeometryPlan, GradientChoice, OperatorChoice, PermeabilityPlan};
+use crate::plan::{FlowPlan, GeometryPlan, GradientChoice, OperatorChoice};
 use crate::study::{Grid, Measured, Options, StudyCase, StudyError};
 
 /// What the case gives the theory.
@@ -56,9 +56,9 @@ impl Setting {
         let uniform: Vec<(&crate::plan::MaterialPlan, f64)> = plan
             .materials
             .iter()
-            .filter_map(|material| match material.permeability {
-                Some(PermeabilityPlan::Uniform(value)) => Some((material, value)),
-                _ => None,
+            .filter_map(|material| {
+                let permeability = material.permeability.as_ref()?;
+                Some((material, permeability.uniform()?))
             })
             .collect();
         let most = uniform.iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -70,9 +70,24 @@ impl Setting {
         if coupled && plan.materials.len() != 1 {
             return Err(unsuited("the theory of coupling needs one material"));
         }
-        let elasticity = material.elasticity.filter(|_| coupled);
+        let one = |known: Option<f64>, what: &str| {
+            known.ok_or_else(|| unsuited(&format!("it needs one {what} of the material")))
+        };
+        let storage = one(material.storage.uniform(), "storage")?;
+        let biot = material.biot_coefficient.as_ref();
+        let biot = one(
+            biot.map_or(Some(1.0), |own| own.uniform()),
+            "biot_coefficient",
+        )?;
+        let elasticity = match material.elasticity.as_ref().filter(|_| coupled) {
+            Some(own) => Some(
+                own.uniform()
+                    .ok_or_else(|| unsuited("it needs one pair of elastic moduli"))?,
+            ),
+            None => None,
+        };
         let softening = elasticity.map_or(0.0, |elasticity| {
-            material.biot_coefficient.unwrap_or(1.0).powi(2) / elasticity.oedometer_modulus()
+            biot.powi(2) / elasticity.oedometer_modulus()
         });
         let ratio = match plan.horizon {
             // The shells of the square and the cubic lattice that the default gives.
@@ -100,7 +115,7 @@ impl Setting {
             softening,
             mobility: lowest / plan.fluid.viscosity,
             permeability: *lowest,
-            storage: material.storage,
+            storage,
         })
     }
 

@@ -1,6 +1,7 @@
 //! The schemes that are tried, with their ways through the coupling.
 
 use super::theory::Split;
+use crate::plan::MaterialPlan;
 use crate::study::{Method, StudyCase};
 
 /// A scheme with its way through the coupling.
@@ -92,7 +93,7 @@ fn fixed_stress(subject: &StudyCase) -> f64 {
         .plan
         .materials
         .first()
-        .and_then(|material| material.elasticity);
+        .and_then(MaterialPlan::uniform_elasticity);
     elasticity.map_or(0.0, |elasticity| {
         let (lambda, mu) = (elasticity.lambda(), elasticity.shear_modulus());
         (lambda + 2.0 * mu) / (lambda + 2.0 * mu / subject.plan.dimension as f64)
