@@ -76,6 +76,8 @@ fn errors_within_the_uncertainty_are_not_resolved() {
         "--solvers",
         "faer-ldlt",
         "--quick",
+        "--budget",
+        "5min",
         "--out",
         "s",
     ]);
