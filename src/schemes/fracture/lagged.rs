@@ -234,7 +234,7 @@ const ROUNDING: f64 = 1e-7;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prelude::Setup;
+    use crate::plan::Setup;
 
     const PUMPED: &str = r#"title = "A crack in which fluid boils"
 geometry = { type = "lattice", size = ["1 m", "1 m"], points = [10, 10] }
