@@ -54,17 +54,16 @@ impl<const D: usize> Model<D> {
         Cow::Owned(pores)
     }
 
-    /// Gives what is broken by a response to a state fluid of its own; true if there was anything.
-    pub fn fill_broken(
-        &mut self,
-        response: &Response<D>,
-        is_fixed: &[bool],
-        state: Filling<'_>,
-    ) -> bool {
-        let (Some(cracks), true) = (self.cracks(), self.has_unfilled(response)) else {
-            return false;
+    /// Gives what is broken by a response to a state fluid of its own.
+    pub fn fill_broken(&mut self, response: &Response<D>, state: Filling<'_>) {
+        let (Some(cracks), Some(flow)) = (self.cracks(), &self.flow) else {
+            return;
         };
         let broken = cracks.broken(&response.damage);
+        if broken.is_empty() {
+            return;
+        }
+        let is_fixed = flow.fixed_mask();
         // What opened at the expense of another point is handed over.
         let opened = |i: usize| self.cloud.volume[i] * response.planes[i].opening;
         let handed = |i: &usize| match cracks.donor[*i] {
@@ -82,7 +81,7 @@ impl<const D: usize> Model<D> {
             model.held(&fields, Some(response))
         };
         let before = at(self, state.pressure);
-        self.seal(&broken, is_fixed, (state.pressure, state.in_balance));
+        self.seal(&broken, &is_fixed, (state.pressure, state.in_balance));
         let after = at(self, state.pressure);
         if let Some(cracks) = self.cracks_mut() {
             for (i, handed) in broken.into_iter().zip(handed) {
@@ -90,7 +89,6 @@ impl<const D: usize> Model<D> {
             }
         }
         self.follow_openings(response);
-        true
     }
 
     /// Seals the pores of points at their pressure, and sets that of the fluid in the crack there.

@@ -135,6 +135,14 @@ impl<const D: usize> Model<D> {
         self.cracks().is_some()
     }
 
+    /// Response to a state where what a state holds depends on it; `None` elsewhere.
+    pub fn crack_response(&self, state: &Fields<'_>) -> Option<Response<D>> {
+        match self.has_crack_content() {
+            true => self.response(state),
+            false => None,
+        }
+    }
+
     /// All that a state holds per point above rest, V s p + Q u + q w and what cracks hold, m^D.
     pub fn held(&self, state: &Fields<'_>, response: Option<&Response<D>>) -> Vec<f64> {
         let mut held = self.content(state.displacement, state.walls);

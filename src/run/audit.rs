@@ -265,8 +265,8 @@ impl Stored {
             Some(_) => model.content(&state.displacement, &state.walls),
             None => Vec::new(),
         };
-        if model.has_crack_content() {
-            let cracks = model.crack_content(model.response(&state.view()).as_ref());
+        if let Some(response) = model.crack_response(&state.view()) {
+            let cracks = model.crack_content(Some(&response));
             content
                 .iter_mut()
                 .zip(cracks)

@@ -6,7 +6,7 @@ use crate::plan::files::{Allowed, Property};
 use crate::plan::types::{
     ElasticityPlan, FieldPlan, FluidPlan, GeometryPlan, MaterialPlan, PorousPlan, StoragePlan,
 };
-use crate::scene::{self, Dimension, Field, Quantity, ReadField, Spanned};
+use crate::scene::{self, Dimension, Typed};
 
 /// Where a material is read: the points it is for.
 type Points<'a> = Option<&'a GeometryPlan>;
@@ -22,43 +22,31 @@ impl Resolver<'_> {
             Some(field) => Some(self.permeability(field, geometry)?),
             None => None,
         };
-        let biot = &material.biot_coefficient;
-        let biot = self.read(biot, Property::BIOT_COEFFICIENT, geometry)?;
-        let energy = &material.fracture_energy;
+        let biot = material.biot_coefficient.as_ref().map(|own| own.typed());
+        let biot = self.given(biot, Property::BIOT_COEFFICIENT, geometry)?;
+        let energy = material.fracture_energy.as_ref().map(|own| own.typed());
+        let density = material.density.as_ref().map(|own| own.typed());
         Some(MaterialPlan {
             name: name.to_owned(),
             region: material.region.as_ref().map(|region| region.resolved()),
             permeability,
             storage: self.storage(material, biot.as_ref(), geometry)?,
             elasticity: self.elasticity(material, geometry)?,
-            density: self.any(&material.density, Property::DENSITY, geometry)?,
-            fracture_energy: self.any(energy, Property::FRACTURE_ENERGY, geometry)?,
+            density: self.given(density, Property::DENSITY, geometry)?,
+            fracture_energy: self.given(energy, Property::FRACTURE_ENERGY, geometry)?,
             biot_coefficient: biot,
         })
     }
 
-    /// A field that may be drawn at random; within, `None` where it was not typed.
-    fn any<D: Dimension>(
+    /// The values of a property; within, `None` where it was not typed.
+    fn given<D: Dimension>(
         &mut self,
-        typed: &Option<Spanned<Field<Quantity<D>>>>,
+        typed: Option<Typed<'_, D>>,
         property: Property,
         geometry: Points<'_>,
     ) -> Option<Option<FieldPlan>> {
         match typed {
-            Some(own) => self.field(own.typed(), property, geometry).map(Some),
-            None => Some(None),
-        }
-    }
-
-    /// A field that may come from a file; within, `None` where it was not typed.
-    fn read<D: Dimension>(
-        &mut self,
-        typed: &Option<Spanned<ReadField<Quantity<D>>>>,
-        property: Property,
-        geometry: Points<'_>,
-    ) -> Option<Option<FieldPlan>> {
-        match typed {
-            Some(own) => self.field(own.typed(), property, geometry).map(Some),
+            Some(typed) => self.field(typed, property, geometry).map(Some),
             None => Some(None),
         }
     }
@@ -68,9 +56,10 @@ impl Resolver<'_> {
         material: &scene::Material,
         geometry: Points<'_>,
     ) -> Option<Option<ElasticityPlan>> {
-        let (modulus, ratio) = (&material.youngs_modulus, &material.poissons_ratio);
-        let modulus = self.any(modulus, Property::YOUNGS_MODULUS, geometry)?;
-        let ratio = self.read(ratio, Property::POISSONS_RATIO, geometry)?;
+        let modulus = material.youngs_modulus.as_ref().map(|own| own.typed());
+        let ratio = material.poissons_ratio.as_ref().map(|own| own.typed());
+        let modulus = self.given(modulus, Property::YOUNGS_MODULUS, geometry)?;
+        let ratio = self.given(ratio, Property::POISSONS_RATIO, geometry)?;
         Some(modulus.zip(ratio).map(|(modulus, ratio)| ElasticityPlan {
             youngs_modulus: modulus,
             poissons_ratio: ratio,
@@ -85,12 +74,15 @@ impl Resolver<'_> {
         biot: Option<&FieldPlan>,
         geometry: Points<'_>,
     ) -> Option<StoragePlan> {
-        if let Some(given) = self.any(&material.storage, Property::STORAGE, geometry)? {
+        let storage = material.storage.as_ref().map(|own| own.typed());
+        if let Some(given) = self.given(storage, Property::STORAGE, geometry)? {
             return Some(StoragePlan::Given(given));
         }
-        let porosity = porosity_up_to(biot.and_then(FieldPlan::uniform));
-        let porosity = self.any(&material.porosity, porosity, geometry)?;
-        let rock = self.read(&material.bulk_modulus, Property::BULK_MODULUS, geometry)?;
+        let porosity = material.porosity.as_ref().map(|own| own.typed());
+        let allowed = porosity_up_to(biot.and_then(FieldPlan::uniform));
+        let porosity = self.given(porosity, allowed, geometry)?;
+        let rock = material.bulk_modulus.as_ref().map(|own| own.typed());
+        let rock = self.given(rock, Property::BULK_MODULUS, geometry)?;
         let parts = porosity.zip(biot.cloned()).zip(rock);
         let Some(((porosity, biot_coefficient), bulk_modulus)) = parts else {
             return Some(StoragePlan::Given(FieldPlan::Uniform(1.0)));

@@ -11,8 +11,8 @@
 //! full crack answers to its own opening with a pressure that is wrong a thousand times over.
 
 use super::compliance::Compliance;
-use super::flow::{StepStart, close};
-use crate::model::{Filling, Model, Spreading};
+use super::flow::{StepStart, close, fill_broken};
+use crate::model::{Model, Spreading};
 use crate::plan::{Plan, SchemeChoice, SchemeOptions};
 use crate::schemes::limits::lagged_limit;
 use crate::schemes::memory::{Memory, Rates};
@@ -87,27 +87,6 @@ impl<const D: usize> LaggedFracture<D> {
         Ok(iterations)
     }
 
-    /// Gives what is broken in a state fluid of its own.
-    fn fill_broken(
-        &self,
-        now: &mut Model<D>,
-        state: &mut State,
-        in_balance: bool,
-    ) -> Result<(), StepError> {
-        let response = now
-            .response(&state.view())
-            .ok_or(StepError::Missing { part: "[damage]" })?;
-        let is_fixed = flow_of(now)?.fixed_mask();
-        let filling = Filling {
-            displacement: &state.displacement,
-            walls: &state.walls,
-            pressure: &mut state.pressure,
-            in_balance,
-        };
-        now.fill_broken(&response, &is_fixed, filling);
-        Ok(())
-    }
-
     /// Enters into a state the coefficients that led to it, and what the next step needs.
     fn remember(&self, now: &Model<D>, state: &mut State) {
         state.coefficients = now.coefficients();
@@ -146,7 +125,8 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
             advance(model, state);
         }
         let mut now = model.clone();
-        self.fill_broken(&mut now, state, false)?;
+        let response = now.crack_response(&state.view());
+        fill_broken(&mut now, response.as_ref(), state, false);
         self.follow(&mut now, state)?;
         self.remember(&now, state);
         Ok(())
@@ -191,11 +171,13 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         trial.check()?;
         check_boiling(model, trial)?;
         let at = if self.explicit { old } else { &*trial };
-        close(model, &start, trial, (dt, at), &mut report)?;
+        let response = model.crack_response(&trial.view());
+        let response = response.as_ref();
+        close(model, &start, (trial, response), (dt, at), &mut report)?;
         advance(model, trial);
         report.growth = growth(model, old, trial);
-        report.error = Rates::judge(model, (old, trial), dt)?;
-        self.fill_broken(&mut now, trial, true)?;
+        report.error = Rates::judge(model, response, (old, trial), dt)?;
+        fill_broken(&mut now, response, trial, true);
         self.remember(&now, trial);
         Ok(report)
     }
@@ -260,8 +242,8 @@ injection = { rate = "1e-6 m^2/s", at = ["0.5 m", "0.5 m"] }
         let plan = Setup::text(PUMPED).plan()?;
         let mut model = Model::<2>::of(&plan)?;
         let mut state = State::initial(&model);
-        let scheme = LaggedFracture::<2>::new(&plan, &model)?;
-        scheme.fill_broken(&mut model, &mut state, false)?;
+        let response = model.crack_response(&state.view());
+        fill_broken(&mut model, response.as_ref(), &mut state, false);
         let (wet, dry): (Vec<usize>, Vec<usize>) =
             (0..model.cloud.len()).partition(|i| model.filled_points().any(|wet| wet == *i));
         assert!(wet.len() >= 8, "{wet:?}");

@@ -1,11 +1,13 @@
 //! How fast fields changed in a step: where the next one starts, and how far backward Euler is off.
 
 use crate::model::Model;
+use crate::operators::Response;
 use crate::schemes::memory::Rates;
 use crate::schemes::{State, StepError, flow_of};
 
 impl Rates {
-    /// Error of the step of `dt` seconds from one state to the other, into which its rates are entered.
+    /// Error of the step of `dt` seconds from one state to the other, into which its rates are entered; with the response to
+    /// the other where cracks hold fluid of their own.
     /// `None` in the first step, and in a step in which a crack takes in points, and after it: the growth of damage
     /// alone bounds those.
     ///
@@ -13,6 +15,7 @@ impl Rates {
     /// [`StepError::Missing`] without flow.
     pub(super) fn judge<const D: usize>(
         model: &Model<D>,
+        response: Option<&Response<D>>,
         (old, new): (&State, &mut State),
         dt: f64,
     ) -> Result<Option<f64>, StepError> {
@@ -20,8 +23,7 @@ impl Rates {
         now.take(old, new, dt);
         // The pressure in the crack jumps where it takes in points, by an amount that does not depend on the length of
         // the step: no error of the time, and no step is short enough for it.
-        let response = model.response(&new.view());
-        if response.is_some_and(|response| model.has_unfilled(&response)) {
+        if response.is_some_and(|response| model.has_unfilled(response)) {
             now.pressure.clear();
         }
         let start = &flow_of(model)?.initial;

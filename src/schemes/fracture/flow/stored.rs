@@ -1,6 +1,6 @@
 //! What pores and cracks take up in a step.
 
-use crate::model::Model;
+use crate::model::{Filling, Model};
 use crate::operators::Response;
 use crate::schemes::implicit::weighted_flows;
 use crate::schemes::{State, StepError, StepReport, flow_of};
@@ -18,10 +18,8 @@ pub struct StepStart<'a> {
 impl<'a> StepStart<'a> {
     /// A step of `dt` seconds from a state, with the model at its coefficients.
     pub fn new<const D: usize>(model: &Model<D>, state: &'a State, dt: f64) -> Self {
-        let held = match model.has_crack_content() {
-            true => model.held(&state.view(), model.response(&state.view()).as_ref()),
-            false => Vec::new(),
-        };
+        let response = model.crack_response(&state.view());
+        let held = response.map_or_else(Vec::new, |own| model.held(&state.view(), Some(&own)));
         StepStart { state, held, dt }
     }
 }
@@ -47,25 +45,21 @@ pub(super) fn stored_increment<const D: usize>(
 }
 
 /// Enters into a report what came in over a step of `dt` seconds with the rates of a state, and what the
-/// pores took up.
+/// pores took up; with the response to the new state where cracks hold fluid of their own.
 ///
 /// # Errors
 /// [`StepError::Missing`] without flow.
 pub fn close<const D: usize>(
     model: &Model<D>,
     start: &StepStart<'_>,
-    new: &State,
+    (new, response): (&State, Option<&Response<D>>),
     (dt, at): (f64, &State),
     report: &mut StepReport,
 ) -> Result<(), StepError> {
     let flow = flow_of(model)?;
     let mut imbalance = vec![0.0; flow.points()];
     flow.imbalance(at.time, &at.pressure, &mut imbalance);
-    let response = match model.has_crack_content() {
-        true => model.response(&new.view()),
-        false => None,
-    };
-    let taken = stored_increment(model, start, new, response.as_ref())?;
+    let taken = stored_increment(model, start, new, response)?;
     report.flows = weighted_flows(flow, &[(dt, &at.pressure, at.time, &imbalance)]);
     for fixed in &flow.fixed {
         report.flows.hold(fixed.load, taken[fixed.point]);
@@ -73,4 +67,22 @@ pub fn close<const D: usize>(
     // What a state holds is audited as such; what follows from increments only can be as their sum.
     report.stored = (!model.has_crack_content()).then(|| taken.iter().sum());
     Ok(())
+}
+
+/// Gives what is broken by a response to a state fluid of its own, `in_balance` at the pressure that broke it and else at
+/// that of the pores.
+pub fn fill_broken<const D: usize>(
+    model: &mut Model<D>,
+    response: Option<&Response<D>>,
+    state: &mut State,
+    in_balance: bool,
+) {
+    let Some(response) = response else { return };
+    let filling = Filling {
+        displacement: &state.displacement,
+        walls: &state.walls,
+        pressure: &mut state.pressure,
+        in_balance,
+    };
+    model.fill_broken(response, filling);
 }
