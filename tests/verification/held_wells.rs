@@ -391,11 +391,8 @@ storage = "1e-10 1/Pa"
 youngs_modulus = "10 GPa"
 poissons_ratio = 0.2
 biot_coefficient = 0.8
-[mechanics.boundary]
-left.normal_displacement = 0
-right.normal_displacement = 0
-bottom.normal_displacement = 0
-top.normal_displacement = 0
+[mechanics]
+boundary = { left.normal_displacement = 0, right.normal_displacement = 0, bottom.normal_displacement = 0, top.normal_displacement = 0 }
 [wells.out]
 at = ["6 m", "6 m"]
 pressure = "-1 MPa"
