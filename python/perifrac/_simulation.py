@@ -198,7 +198,7 @@ class Simulation:
         fresh = self._open()
         if fresh and self._steady:
             return self._step
-        got = self._guarded(self._session.advance)
+        got = self._advance()
         if got is None:
             self._end()
             return None
@@ -252,8 +252,15 @@ class Simulation:
         try:
             self._guarded(how, rows)
         finally:
-            self._append(rows)
+            self._append(rows + self._session.late())
         self._end()
+
+    def _advance(self) -> Any:
+        """To the next state. A run that is stopped on its way may have reached that state."""
+        try:
+            return self._guarded(self._session.advance)
+        finally:
+            self._append(self._session.late())
 
     def _append(self, rows: List[List[float]]) -> None:
         self._look_around()
@@ -289,7 +296,7 @@ class Simulation:
             self._session.interrupt()
         if self._from is not None:
             return True
-        numbers, row = self._guarded(self._session.advance)
+        numbers, row = self._advance()
         self._take(numbers or (0.0, 0.0, 0.0, 0, 0, 0, None), row)
         return True
 

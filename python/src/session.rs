@@ -37,6 +37,8 @@ struct Inner {
     stand: Stand,
     ground: Option<Ground>,
     warnings: Vec<String>,
+    /// Rows of the history of states that were reached while the end of a stopped run was awaited.
+    late: Vec<Vec<f64>>,
 }
 
 /// A run on a thread of its own, which waits after every step.
@@ -180,6 +182,11 @@ impl Session {
     /// Warnings since this was asked last.
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         Ok(std::mem::take(&mut self.hold(py)?.warnings))
+    }
+
+    /// Rows of the history since this was asked last that a stopped run reached before its end.
+    fn late(&self, py: Python<'_>) -> PyResult<Vec<Vec<f64>>> {
+        Ok(std::mem::take(&mut self.hold(py)?.late))
     }
 
     /// Asks the run to stop as soon as it can, from any thread.
@@ -333,7 +340,10 @@ impl Inner {
         while !matches!(self.stand, Stand::Ended(_)) {
             let events = &mut self.events;
             match py.detach(move || events.recv()) {
-                Ok(Event::State(reached)) => drop(self.pass(*reached)),
+                Ok(Event::State(reached)) => {
+                    let (_, row) = self.pass(*reached);
+                    self.late.push(row);
+                }
                 Ok(event) => self.keep(event),
                 Err(_) => self.end(Ended::default()),
             }
@@ -357,6 +367,7 @@ fn start(task: Task, line: &Line) -> PyResult<(Inner, Interrupt)> {
         stand: Stand::Runs,
         ground: None,
         warnings: Vec::new(),
+        late: Vec::new(),
     };
     Ok((inner, interrupt))
 }

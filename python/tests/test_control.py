@@ -108,7 +108,10 @@ def test_ctrl_c_keeps_the_state_and_the_run_goes_on(tmp_path, square, interrupts
     stopped = simulation.result
     assert stopped.stopped == "Ctrl-C" and 0 < stopped.time < 1.0
     assert stopped.fields["pressure"].shape == (3600,)
+    # What the run computed while Ctrl-C was on its way is in memory as in the file.
+    kept = np.loadtxt(tmp_path / "run" / "history.csv", delimiter=",", skiprows=1, usecols=0)
     begun = stopped.history.rows
+    assert begun == len(kept) and stopped.history["time"][-1] == stopped.time
     run = simulation.run(on_step=lambda step: step.stop() if step.history.rows == begun + 3 else None)
     assert run.history.rows == begun + 3 and (np.diff(run.history["time"]) > 0).all()
 
