@@ -303,6 +303,15 @@ pub enum ModelError {
         /// Relative error of a uniform flux.
         error: f64,
     },
+    /// Fluid in broken rock on a cloud on which its pressure is not in equilibrium.
+    #[error(
+        "fluid in broken rock needs the divergence-consistent gradient where points are uneven: with the plain one its \
+         pressure moves broken points about, and cracks open by up to a half too little; {remedy}"
+    )]
+    UnbalancedFluid {
+        /// What to do.
+        remedy: &'static str,
+    },
     /// The matrix is too large.
     #[error(transparent)]
     Pattern(#[from] PatternError),

@@ -2,7 +2,7 @@
 
 use crate::effects::vector;
 use crate::geometry::{Cloud, Locator, Side, Voids, neighbour_distances};
-use crate::plan::{ActsOn, CrackKind, GeometryPlan, Plan};
+use crate::plan::{ActsOn, CrackKind, DamageModel, GeometryPlan, Plan};
 
 use super::{Bands, ModelError};
 
@@ -50,7 +50,31 @@ pub(super) fn check<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<(),
         }
         reach(cloud).map_err(refuse)?;
     }
+    check_crack_fluid(plan, cloud)?;
     probes(plan, cloud)
+}
+
+/// Refuses fluid in broken rock where a uniform pressure would not be in equilibrium: broken points have next to no stiffness
+/// across their crack and go where it drives them.
+///
+/// # Errors
+/// [`ModelError::UnbalancedFluid`].
+fn check_crack_fluid<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<(), ModelError> {
+    let (Some(damage), Some(mechanics)) = (&plan.damage, &plan.mechanics) else {
+        return Ok(());
+    };
+    let pressed = plan.cracks.iter().any(|crack| crack.pressure.is_some());
+    let balanced = mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes);
+    let wet = damage.model == DamageModel::Split && (plan.fracture_flow.is_some() || pressed);
+    match wet && cloud.irregular && !balanced {
+        true => Err(ModelError::UnbalancedFluid {
+            remedy: match plan.cracks.iter().any(|crack| crack.kind == CrackKind::Cut) {
+                true => "use cracks of kind = \"damaged\", or a lattice",
+                false => "set mechanics.gradient = \"divergence-consistent\", or use a lattice",
+            },
+        }),
+        false => Ok(()),
+    }
 }
 
 /// Volumes in another unit than positions do not fit the distances between the points.

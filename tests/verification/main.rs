@@ -39,6 +39,7 @@ mod tensors;
 mod theis;
 mod toughness;
 mod two_layer;
+mod uneven_cracks;
 mod uniform_flow;
 mod voids;
 mod wells;

@@ -226,23 +226,15 @@ pub static RULES: &[Rule] = &[
         )
     },
     refuse(
-        &[ConsistentGradient, Damage],
-        "the divergence-consistent gradient does not go together with [damage]",
-        "set gradient = \"plain\"",
-    ),
-    refuse(
         &[Layers, Damage],
         "rock that breaks has the moduli of its points, not those of layers",
         "set interfaces = \"pointwise\", or leave it out",
     ),
-    Rule {
-        without: &[Damage],
-        ..refuse(
-            &[ConsistentGradient, CutCrack],
-            "the divergence-consistent gradient does not go together with [cracks]",
-            "set gradient = \"plain\"",
-        )
-    },
+    refuse(
+        &[ConsistentGradient, CutCrack],
+        "the divergence-consistent gradient does not go together with cracks that are cut",
+        "set gradient = \"plain\", or kind = \"damaged\" for the cracks",
+    ),
     Rule {
         also: Some((Place::Of(Damage), "the damage")),
         ..refuse(

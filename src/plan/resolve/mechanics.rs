@@ -2,7 +2,9 @@
 
 use super::Resolver;
 use crate::load::Load;
-use crate::plan::types::{CouplingPlan, GradientChoice, MechanicsPlan, Support, TractionPlan};
+use crate::plan::types::{
+    CouplingPlan, CrackKind, GradientChoice, MechanicsPlan, Support, TractionPlan,
+};
 use crate::scene::quantity::{Dimension, values};
 use crate::scene::{self, Coupling, Mechanics};
 
@@ -38,12 +40,15 @@ impl Resolver<'_> {
     }
 }
 
-/// The gradient of the displacement, plain where the scene does not ask for another: the faces of a crack
-/// are no layer that the divergence-consistent gradient knows.
+/// The gradient of the displacement, plain where the scene does not ask for another and cracks are cut, as their faces are
+/// no layer that the divergence-consistent gradient knows, and in the model of the paper, which has it.
 fn solid_gradient(mechanics: &Mechanics, scene: &scene::Scene) -> GradientChoice {
-    let breaks = scene.damage.is_some() || !scene.cracks.is_empty();
+    let cut = |crack: &scene::Entry<scene::Crack>| crack.value.kind.value == CrackKind::Cut;
+    let paper =
+        (scene.damage.as_ref()).is_some_and(|damage| damage.model == scene::DamageModel::Paper);
+    let plain = paper || scene.cracks.iter().any(cut);
     match mechanics.gradient.value {
-        GradientChoice::Auto if breaks => GradientChoice::Plain,
+        GradientChoice::Auto if plain => GradientChoice::Plain,
         chosen => chosen,
     }
 }

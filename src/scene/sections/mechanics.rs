@@ -22,7 +22,7 @@ pub struct Mechanics {
     /// Coefficient of the hourglass term, in units of the shear modulus.
     #[schemars(transform = within(&HOURGLASS))]
     pub hourglass: Number,
-    /// Gradient of the displacement.
+    /// Gradient of the displacement. `auto` is plain where cracks are cut and in the damage model of the paper.
     pub gradient: Spanned<Gradient>,
     /// What families make of moduli that vary within them.
     pub interfaces: Spanned<Interfaces>,

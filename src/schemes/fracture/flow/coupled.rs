@@ -57,7 +57,7 @@ impl<const D: usize> FractureFlowStep<D> {
             // The exact tangent may have led astray.
             if let (TangentKind::Consistent, Some((from, place))) = (tried, before.take())
                 && !here.rewetted
-                && here.forces > self.plan.tolerance.max(LEFT * place.forces)
+                && self.led_astray(&place, &here, &watch)
             {
                 self.policy.failed();
                 self.set_unknowns(&from, state);
@@ -86,6 +86,14 @@ impl<const D: usize> FractureFlowStep<D> {
             before = Some((from, here));
         }
         Err(watch.failure(state.time, self.plan.tolerance, self.passes as usize))
+    }
+
+    /// Whether a pass with the exact tangent left too much of the forces out of balance, or of all where passes make no
+    /// progress: near balance they may go round in circles of two to five for good.
+    fn led_astray(&self, from: &Place<D>, to: &Place<D>, watch: &PassMonitor) -> bool {
+        let tolerance = self.plan.tolerance;
+        let circles = watch.is_stuck() && to.off > LEFT * from.off;
+        circles || to.forces > tolerance.max(LEFT * from.forces)
     }
 
     /// Brings coefficients to the state and measures what is out of balance.

@@ -91,9 +91,14 @@ impl PassMonitor {
         stuck < GIVEN_UP
     }
 
+    /// Whether passes have made no progress for a while.
+    pub fn is_stuck(&self) -> bool {
+        self.stuck >= STUCK
+    }
+
     /// Share that strain may owe.
     fn allowed(&self) -> f64 {
-        match self.stuck >= STUCK {
+        match self.is_stuck() {
             true => STILL_OWED,
             false => OWED,
         }
