@@ -99,6 +99,7 @@ pub const CASES: &[Case] = &[
         "notched-tension",
         "a notched square pulled apart (Sec. 5.1): a straight crack",
         "smoke",
+        "split",
         "fine",
         "paper"
     ),
@@ -106,6 +107,7 @@ pub const CASES: &[Case] = &[
         "notched-shear",
         "a notched square sheared (Sec. 5.1): a crack that turns down",
         "smoke",
+        "split",
         "fine",
         "paper"
     ),

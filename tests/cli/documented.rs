@@ -71,9 +71,11 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("penny-3d", &["geometry.points=[12, 12, 12]"]),
     ("notched-tension", TENSION),
     ("notched-tension/fine", TENSION),
+    ("notched-tension/split", TENSION),
     ("notched-tension/paper", TENSION),
     ("notched-shear", SHEAR),
     ("notched-shear/fine", SHEAR),
+    ("notched-shear/split", SHEAR),
     ("notched-shear/paper", SHEAR),
     (
         "pressurised-notch",
