@@ -259,8 +259,9 @@ class Simulation:
         """To the next state. A run that is stopped on its way may have reached that state."""
         try:
             return self._guarded(self._session.advance)
-        finally:
+        except BaseException:
             self._append(self._session.late())
+            raise
 
     def _append(self, rows: List[List[float]]) -> None:
         self._look_around()

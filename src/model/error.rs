@@ -306,7 +306,7 @@ pub enum ModelError {
     /// Fluid in broken rock on a cloud on which its pressure is not in equilibrium.
     #[error(
         "fluid in broken rock needs the divergence-consistent gradient where points are uneven: with the plain one its \
-         pressure moves broken points about, and cracks open by up to a half too little; {remedy}"
+         pressure moves broken points about, and cracks opened by up to 45 % too little; {remedy}"
     )]
     UnbalancedFluid {
         /// What to do.

@@ -2,7 +2,7 @@
 
 use crate::effects::vector;
 use crate::geometry::{Cloud, Locator, Side, Voids, neighbour_distances};
-use crate::plan::{ActsOn, CrackKind, DamageModel, GeometryPlan, Plan};
+use crate::plan::{ActsOn, CrackKind, CrackPlan, DamageModel, GeometryPlan, Plan};
 
 use super::{Bands, ModelError};
 
@@ -63,18 +63,20 @@ fn check_crack_fluid<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<()
     let (Some(damage), Some(mechanics)) = (&plan.damage, &plan.mechanics) else {
         return Ok(());
     };
-    let pressed = plan.cracks.iter().any(|crack| crack.pressure.is_some());
+    // Fluid in a crack that is cut presses on its faces, not on broken points.
+    let pressed = |crack: &CrackPlan| crack.kind == CrackKind::Damaged && crack.pressure.is_some();
+    let wet = plan.fracture_flow.is_some() || plan.cracks.iter().any(pressed);
     let balanced = mechanics.corrects_gradient(cloud.irregular, cloud.domain.planes);
-    let wet = damage.model == DamageModel::Split && (plan.fracture_flow.is_some() || pressed);
-    match wet && cloud.irregular && !balanced {
-        true => Err(ModelError::UnbalancedFluid {
-            remedy: match plan.cracks.iter().any(|crack| crack.kind == CrackKind::Cut) {
-                true => "use cracks of kind = \"damaged\", or a lattice",
-                false => "set mechanics.gradient = \"divergence-consistent\", or use a lattice",
-            },
-        }),
-        false => Ok(()),
+    if damage.model == DamageModel::Paper || !wet || balanced || !cloud.irregular {
+        return Ok(());
     }
+    let cut = plan.cracks.iter().any(|crack| crack.kind == CrackKind::Cut);
+    Err(ModelError::UnbalancedFluid {
+        remedy: match cut {
+            true => "make all cracks kind = \"damaged\", or use a lattice",
+            false => "set mechanics.gradient = \"divergence-consistent\", or use a lattice",
+        },
+    })
 }
 
 /// Volumes in another unit than positions do not fit the distances between the points.
