@@ -249,11 +249,6 @@ fn regular<const D: usize>(law: &DamageLaw, point: &PointState<D>, strain: &Matr
     let (values, _) = crate::material::eigen::eigen(&stress);
     let largest = values.max();
     let apart = values.iter().filter(|v| largest - **v < 1e6).count() == 1;
-    // The tangent is bounded where the normal would turn faster than the stress.
-    let turning = 2.0 * ROCK.mu * response.plane.strain;
-    let slow = values
-        .iter()
-        .all(|v| *v >= largest || turning < largest - v);
     let edge = (response.driving - point.history).abs() > 0.05 * point.history;
     // The same faces all around.
     let same = [-2e4, 2e4].iter().all(|by| {
@@ -273,7 +268,7 @@ fn regular<const D: usize>(law: &DamageLaw, point: &PointState<D>, strain: &Matr
         let far = (kinds[0].2 - kinds[1].2).abs() > 0.05 * kinds[1].2;
         kinds[0].0 == kinds[1].0 && kinds[0].1 == kinds[1].1 && !far
     });
-    same && edge && (point.normal.is_some() || apart && slow)
+    same && edge && (point.normal.is_some() || apart)
 }
 
 /// The energy's derivative by what the fluid adds is minus the opening, and that of the opening is what yields and

@@ -260,6 +260,7 @@ impl<const D: usize> FractureFlowStep<D> {
             report.passes = pass;
             report.residual = Some(imbalance);
             if imbalance <= self.plan.tolerance && splitting_residual <= watch.allowed() {
+                self.largest = self.largest.max(at.scale);
                 return Ok(());
             }
             if dt > self.cut_above && self.runs(model, old, &at)? {
@@ -334,8 +335,7 @@ impl<const D: usize> FractureFlowStep<D> {
     }
 
     /// Forces out of balance, relative to all forces.
-    pub(super) fn imbalance(&mut self, at: &Trial<D>, time: f64) -> Result<f64, StepError> {
-        self.largest = self.largest.max(at.scale);
+    pub(super) fn imbalance(&self, at: &Trial<D>, time: f64) -> Result<f64, StepError> {
         let scale = at.scale.max(REMEMBERED * self.largest);
         let left: f64 = at.force.iter().map(|f| f.abs()).sum();
         match left.is_finite() {
