@@ -162,12 +162,16 @@ pub(super) fn outline(plan: &Plan, sample: &Sample, system: System) -> Outline {
         entries_per_row: row(system, plan.dimension, sample),
         dimension: plan.dimension,
         solves: match system {
+            System::Mechanics | System::Monolithic if plan.damage.is_some() => {
+                plan.fracture_demand().solves
+            }
             System::Mechanics => plan.solid_demand().solves,
             System::Flow | System::Monolithic => plan.stage_demand().solves,
         },
         contrast: match system {
             System::Mechanics => solid,
-            System::Flow | System::Monolithic => contrast,
+            System::Flow => contrast,
+            System::Monolithic => contrast.max(plan.expected_contrast()),
         },
         volume_stiffness: match (system, &sample.solid) {
             (System::Flow, _) | (_, None) => 1.0,

@@ -31,7 +31,7 @@ pub struct Coefficients {
     pub pores: Vec<f64>,
     /// Pressure in those pores, which stays, Pa; likewise.
     pub sealed: Vec<f64>,
-    /// Volume without fluid of the points of cracks that hold any, m^D.
+    /// Volume without fluid of the points of cracks that hold any.
     pub voids: Voids,
     /// Values of L that belong to the mobility; filled anew where they are absent, as after a restart.
     #[serde(skip)]

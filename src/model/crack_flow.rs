@@ -28,7 +28,7 @@ pub struct CrackFlow<const D: usize> {
     pub pores: Vec<f64>,
     /// Pressure in the pores of a point in a crack, which stays, Pa, shape `(n,)`; 0 elsewhere.
     pub sealed: Vec<f64>,
-    /// Volume without fluid of the points of cracks that hold any, m^D.
+    /// Volume without fluid of the points of cracks that hold any.
     pub voids: Voids,
     /// Hydraulic aperture of a closed crack, m.
     residual: f64,
@@ -132,14 +132,12 @@ impl<const D: usize> CrackFlow<D> {
 
     /// The pressures that enter the traction on the crack at a point with Biot's coefficient `biot`, with their factors
     /// β: 1 for that in the crack, −α for that in the pores unless they are sealed; none where there is no fluid in the
-    /// crack, and rock breaks by its effective stress.
+    /// crack, and rock breaks by its effective stress. Where a crack is empty its pressure is known.
     pub fn pressing(&self, point: usize, biot: f64) -> impl Iterator<Item = (usize, f64)> + use<D> {
-        let pair = match self.donor[point] {
-            DRY => [None; 2],
-            donor if donor as usize == point => [Some((point, 1.0)), None],
-            donor => [Some((point, -biot)), Some((donor as usize, 1.0))],
-        };
-        pair.into_iter().flatten()
+        let donor = self.donor[point];
+        let fluid = (donor != DRY && !self.is_empty(donor)).then_some((donor as usize, 1.0));
+        let pores = (donor != DRY && donor as usize != point).then_some((point, -biot));
+        [pores, fluid].into_iter().flatten()
     }
 
     /// Conductances between wet points for a viscosity (Pa s): both points and the value, m^D/(Pa s); none through

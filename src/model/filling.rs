@@ -67,7 +67,7 @@ impl<const D: usize> Model<D> {
         // What opened at the expense of another point is handed over.
         let opened = |i: usize| self.cloud.volume[i] * response.planes[i].opening;
         let handed = |i: &usize| match cracks.donor[*i] {
-            DRY => 0.0,
+            donor if donor == DRY || cracks.is_empty(donor) => 0.0,
             _ => opened(*i),
         };
         let handed: Vec<f64> = broken.iter().map(handed).collect();
@@ -81,6 +81,11 @@ impl<const D: usize> Model<D> {
             model.held(&fields, Some(response))
         };
         let before = at(self, state.pressure);
+        let opened: Vec<f64> = broken.iter().map(|i| opened(*i)).collect();
+        if let Some(cracks) = self.cracks_mut() {
+            let pairs = broken.iter().zip(&opened);
+            pairs.for_each(|(i, opened)| cracks.hand_void(*i, *opened));
+        }
         self.seal(&broken, &is_fixed, (state.pressure, state.in_balance));
         let after = at(self, state.pressure);
         if let Some(cracks) = self.cracks_mut() {

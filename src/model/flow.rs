@@ -265,13 +265,18 @@ impl<const D: usize> FlowModel<D> {
     /// Imbalance q − L p at `time`, shape `(n,)`, m^D/s: what storage takes up.
     pub fn imbalance(&self, time: f64, pressure: &[f64], imbalance: &mut [f64]) {
         self.timers.time("flow", || {
-            self.rate(time, imbalance);
-            self.walls
-                .iter()
-                .for_each(|wall| wall.add_rate(time, pressure, imbalance));
-            self.add_well_inflow(time, pressure, imbalance);
+            self.sources(time, pressure, imbalance);
             self.subtract_exchange(pressure, imbalance);
         });
+    }
+
+    /// What loads, sides and wells bring to every point, m^D/s, into `rate` of shape `(n,)`.
+    pub fn sources(&self, time: f64, pressure: &[f64], rate: &mut [f64]) {
+        self.rate(time, rate);
+        self.walls
+            .iter()
+            .for_each(|wall| wall.add_rate(time, pressure, rate));
+        self.add_well_inflow(time, pressure, rate);
     }
 
     /// Takes Σ_j L_ij (p_j − p_i) off every entry: the exchange between points.

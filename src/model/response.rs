@@ -56,7 +56,10 @@ impl<const D: usize> Model<D> {
     /// What fluid adds to the effective traction on a crack, p^c − α p per point, Pa, zero where there is none in the
     /// crack; empty where it adds nothing at all.
     pub fn fluid_traction(&self, pressure: &[f64]) -> Vec<f64> {
-        let (Some(cracks), Some(coupling)) = (self.cracks(), &self.coupling) else {
+        let (Some(fracture), Some(coupling)) = (&self.fracture_flow, &self.coupling) else {
+            return Vec::new();
+        };
+        let Some(cracks) = &fracture.cracks else {
             return Vec::new();
         };
         let biot = |i: usize| coupling.divergence.weight[i] / self.cloud.volume[i];
@@ -65,7 +68,11 @@ impl<const D: usize> Model<D> {
             let pressed: f64 = pressing
                 .map(|(point, factor)| factor * pressure[point])
                 .sum();
-            pressed - biot(i) * cracks.sealed[i]
+            let empty = match cracks.is_empty(cracks.donor[i]) {
+                true => fracture.plan.cavitation_pressure,
+                false => 0.0,
+            };
+            pressed + empty - biot(i) * cracks.sealed[i]
         };
         (0..pressure.len()).map(added).collect()
     }
@@ -85,8 +92,8 @@ impl<const D: usize> Model<D> {
                 content[point] += factor * volume * plane.opening;
             }
         }
-        for (point, void) in &cracks.voids {
-            content[*point as usize] -= void;
+        for (point, void) in cracks.voids.iter().filter(|(_, void)| !void.whole) {
+            content[*point as usize] -= void.volume;
         }
         content
     }

@@ -73,6 +73,49 @@ fn passes_that_run_in_circles_are_shortened_until_they_meet() {
     assert!(passes <= 30 * steps, "{passes} passes in {steps} steps");
 }
 
+/// A closed crack that nothing presses takes next to nothing up before it opens: the first pass goes far out, and what it
+/// found was the scale by which the next ones were in balance.
+#[test]
+fn a_closed_crack_is_filled_by_the_first_step_that_ends_the_run() {
+    let set = [
+        "output.plots=false",
+        "time.first_step=0.1 s",
+        "time.end=0.1 s",
+    ];
+    let plan = plan_of_variant("kgd-toughness", "smoke", &set);
+    let (summary, _) = try_run(&plan).unwrap();
+    let volume = summary.results.as_ref().unwrap().crack_volume.unwrap();
+    assert!((volume / 2.5e-6 - 1.0).abs() < 1e-5, "{volume}");
+    let (steps, rejected) = (summary.steps, summary.counters.rejected);
+    assert!(steps <= 24 && rejected <= 8, "{steps} and {rejected}");
+}
+
+/// Where two principal stresses are nearly equal in rock that breaks the axes turn faster than the stress.
+#[test]
+fn normals_that_turn_with_the_stress_belong_to_the_tangent() {
+    let plan = plan_of_variant("two-cracks", "smoke", &["output.plots=false"]);
+    let (summary, _) = try_run(&plan).unwrap();
+    let (steps, passes) = (summary.steps, summary.counters.coupling_iterations);
+    assert!(passes <= 13 * steps, "{passes} passes in {steps} steps");
+}
+
+/// What `plan` says of the solver is what runs, and flexible GMRES asked for finds the same with a start that has no
+/// fluid, whose matrix is of another kind.
+#[test]
+fn the_solver_of_a_crack_is_the_one_of_the_plan_or_the_one_that_is_asked_for() {
+    let run = |set: &[&str]| {
+        let set = [&["output.plots=false", "time.end=0.2 s"], set].concat();
+        try_run(&plan_of_variant("kgd-toughness", "smoke", &set)).unwrap()
+    };
+    let (direct, asked) = (run(&[]), run(&["solver.name=fgmres:preconditioner=schur"]));
+    assert_eq!(direct.0.solver.as_deref(), Some("faer-ldlt"));
+    assert_eq!(
+        asked.0.solver.as_deref(),
+        Some("fgmres:preconditioner=schur")
+    );
+    assert!(apart(&asked, &direct) < 1e-3, "{}", apart(&asked, &direct));
+}
+
 /// Algorithm 3 with the compliance of the fracture: of first order in the step.
 #[test]
 fn lagging_schemes_come_to_the_monolithic_pressure_as_steps_shrink() {

@@ -2,7 +2,7 @@
 
 use perifrac::run::Summary;
 
-use crate::support::{plan_of, run_text, try_run};
+use crate::support::{plan_of, plan_of_variant, run_text, try_run};
 
 /// A crack of 1 m in the middle of a block (a quarter of it is computed) that is pulled within 0.1 s by 1 MPa,
 /// while fluid without friction is pumped into it.
@@ -160,6 +160,29 @@ fn water_is_pumped_into_tight_rock_whose_pores_draw() {
     let (long, short) = (length(&["time.end=0.2 s"]), length(&short));
     let apart = (long - short).abs() / (short - start);
     assert!(apart < 0.15, "{long} {short} {start}");
+}
+
+/// Soft rock that takes in fluid as it widens draws at the tip of `natural-fractures/split`: points there are empty at the
+/// end of the first step, their faces bear no suction, and nothing flows out of them that was not in them. Others hold a
+/// void and fluid, which boils.
+#[test]
+fn rock_draws_a_tip_empty_and_gets_no_more_than_was_in_it() {
+    let plan = plan_of_variant("natural-fractures", "split", &["time.end=10 ms"]);
+    let (summary, state) = try_run(&plan).unwrap();
+    let (fluid, void) = fluid_and_void(&summary);
+    assert!(void > 0.1 * fluid, "{void} beside {fluid}");
+    let leaked = summary.results.as_ref().unwrap().leaked_volume.unwrap();
+    let injected = 5e-4 * 10e-3;
+    let apart = (fluid + leaked) / injected - 1.0;
+    assert!(apart.abs() < 1e-6, "{fluid} and {leaked}");
+    let coefficients = state.coefficients.unwrap();
+    let voids = &coefficients.voids;
+    let (whole, part): (Vec<_>, Vec<_>) = voids.iter().partition(|(_, void)| void.whole);
+    assert!(!whole.is_empty() && !part.is_empty(), "{voids:?}");
+    let pressure = |i: &u32| state.pressure[*i as usize];
+    assert!(whole.iter().all(|(i, _)| pressure(i) < 0.0));
+    assert!(part.iter().all(|(i, _)| pressure(i) == 0.0));
+    assert!(voids.values().all(|void| void.volume >= 0.0));
 }
 
 /// A crack gives no more than it has.

@@ -118,7 +118,7 @@ fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Arra
 fn voids<const D: usize>(model: &Model<D>) -> Vec<f64> {
     let mut dense = vec![0.0; model.cloud.len()];
     for (point, void) in model.voids() {
-        dense[point as usize] = void;
+        dense[point as usize] = void.volume;
     }
     dense
 }

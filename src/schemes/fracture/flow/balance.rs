@@ -42,7 +42,7 @@ impl<const D: usize> FractureFlowStep<D> {
             };
             taken[i] += *left;
         }
-        model.settle_voids(&mut left);
+        model.settle_voids(&mut left, response);
         let taken = taken.iter().zip(&left);
         let taken = taken.map(|(came, left)| (came - left).abs()).sum();
         Ok((left, taken))
