@@ -19,7 +19,7 @@ const CLAIMS: [&str; 7] = [
     "is of order",
     "found at",
     "very grid cell",
-    "at every step",
+    "at every step run",
     " wins ",
     "extrapolated",
     "over the whole range",

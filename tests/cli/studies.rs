@@ -346,7 +346,7 @@ fn a_study_without_time_says_what_is_missing_and_claims_nothing() {
             "is of order",
             "found at",
             " wins ",
-            "at every step at",
+            "at every step run",
         ] {
             assert!(!page.contains(words), "{kind}: {words}");
         }

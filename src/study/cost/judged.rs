@@ -79,6 +79,7 @@ impl Assessment {
             _ => "",
         };
         let resolved = match (self.unresolved, self.of) {
+            (_, 0) => "no other run is done".to_owned(),
             (0, of) => format!(
                 "the errors of all {of} other runs are at least {}",
                 short(run.least)
