@@ -9,7 +9,9 @@ use clap::builder::PossibleValuesParser;
 use crate::output::{FolderLock, Manifest};
 use crate::run::Interrupt;
 use crate::run::Snapshot;
-use crate::study::{self, Campaign, Options, Row, Status, StudyCase, Variant, Watcher};
+use crate::study::{
+    self, Campaign, Coverage, Options, Request, Row, Status, StudyCase, Variant, Watcher,
+};
 
 use super::common::SceneArgs;
 use super::exit::{Failure, print, tell_of_kept};
@@ -102,9 +104,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     // Dropped before the lock is.
     let list = Manifest::go_on(&folder)?;
     let interrupt = handled(&Snapshot::default());
-    let budget = args
-        .budget
-        .unwrap_or(Duration::from_secs(if args.quick { 50 } else { 540 }));
+    let budget = args.budget.unwrap_or(usual(args).0);
     let limit = args.limit.unwrap_or(budget / 10);
     let repeat = args
         .repeat
@@ -115,11 +115,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let (mut runs, complete) = campaign.run(&variants, &mut console)?;
     console.clear();
-    if runs.is_empty() {
+    if runs.iter().all(|run| run.first().status == Status::NotRun) {
         return Err(nothing(&interrupt));
     }
     kind.compare(&mut runs);
-    let report = study::write_report(&folder, (&*kind, &typed()), &subject, &runs, complete)?;
+    let request = Request {
+        command: typed(&[]),
+        longer: longer(args, budget, limit),
+        complete,
+    };
+    let report = study::write_report(&folder, (&*kind, &request), &subject, &runs)?;
     tell_of_kept(&list.kept());
     let page = folder.join("report.html");
     if interrupt.is_raised() {
@@ -131,34 +136,63 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         return print(&serde_json::to_string_pretty(&report).unwrap_or_default());
     }
-    let mut text = headlines(&*kind, &subject, &runs);
-    let failed = runs.iter().filter(|run| !run.done()).count();
-    text += &format!(
-        "{} variants, {failed} not done (the report says why)",
-        runs.len()
-    );
-    if !complete {
-        text += "; the budget was used up, the same command goes on";
-    }
     print(&format!(
-        "{text}; {:.0} s\nreport in {}",
+        "{}{}\n{:.0} s; report in {}",
+        headlines(&*kind, &subject, &runs),
+        request.state(&Coverage::of(&runs)),
         start.elapsed().as_secs_f64(),
         page.display()
     ))
 }
 
-/// The command as it was typed, with quotes where a shell needs them.
-fn typed() -> String {
+/// The budget of a study, and the longest time of one of its runs, unless the user has other wishes.
+fn usual(args: &Args) -> (Duration, Duration) {
+    let budget = Duration::from_secs(if args.quick { 50 } else { 540 });
+    (budget, budget / 10)
+}
+
+/// The command that gives more time: without the user's bounds if they are tighter than the usual ones, else with ten
+/// times the budget.
+fn longer(args: &Args, budget: Duration, limit: Duration) -> String {
+    let bare = typed(&["--budget", "--limit"]);
+    let (usual_budget, usual_limit) = usual(args);
+    match budget <= usual_budget && limit <= usual_limit && (budget, limit) != usual(args) {
+        true => bare,
+        false => format!(
+            "{bare} --budget {}s",
+            (10.0 * budget.as_secs_f64().max(10.0 * limit.as_secs_f64())).ceil()
+        ),
+    }
+}
+
+/// The command as it was typed, with quotes where a shell needs them, without some options and their values.
+fn typed(without: &[&str]) -> String {
+    let words = std::env::args_os().skip(1);
+    command(
+        words.map(|word| word.to_string_lossy().into_owned()),
+        without,
+    )
+}
+
+fn command(mut words: impl Iterator<Item = String>, without: &[&str]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+".contains(c);
-    let quoted = |word: String| match !word.is_empty() && word.chars().all(plain) {
-        true => word,
+    let quoted = |word: &str| match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_owned(),
         false => format!("'{}'", word.replace('\'', r"'\''")),
     };
-    let words = std::env::args().skip(1).map(quoted);
-    std::iter::once("perifrac".to_owned())
-        .chain(words)
-        .collect::<Vec<_>>()
-        .join(" ")
+    let mut text = "perifrac".to_owned();
+    while let Some(word) = words.next() {
+        let (name, value) = word
+            .split_once('=')
+            .map_or((&*word, None), |(a, b)| (a, Some(b)));
+        match without.contains(&name) {
+            // Its value is the next word.
+            true if value.is_none() => drop(words.next()),
+            true => {}
+            false => text = format!("{text} {}", quoted(&word)),
+        }
+    }
+    text
 }
 
 /// The scene of a study, whose schemes and solvers are its own.
@@ -248,6 +282,23 @@ impl Watcher for Console {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_command_keeps_its_words_and_their_blanks() {
+        let words = || {
+            let words = "study cost|a b|--quick|--set|x=\"1 m\"|--budget|1s|--limit=2s|--out|it's"
+                .split('|');
+            words.map(str::to_owned)
+        };
+        assert_eq!(
+            command(words(), &[]),
+            r#"perifrac 'study cost' 'a b' --quick --set 'x="1 m"' --budget 1s --limit=2s --out 'it'\''s'"#
+        );
+        assert_eq!(
+            command(words(), &["--budget", "--limit"]),
+            r#"perifrac 'study cost' 'a b' --quick --set 'x="1 m"' --out 'it'\''s'"#
+        );
+    }
 
     #[test]
     fn times_have_units() {

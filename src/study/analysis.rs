@@ -60,9 +60,9 @@ impl Fit {
         })
     }
 
-    /// The law at x.
-    pub(crate) fn at(&self, x: f64) -> f64 {
-        self.factor * x.powf(self.slope)
+    /// As [`Fit::of`], with the confidence that takes three pairs: two lie on a power law whatever they are.
+    pub(crate) fn confident(pairs: &[(f64, f64)]) -> Option<Fit> {
+        Fit::of(pairs).filter(|fit| fit.half_width.is_some())
     }
 }
 
@@ -103,43 +103,13 @@ pub(crate) fn pareto(pairs: &[(f64, f64)]) -> Vec<usize> {
     order
 }
 
-/// How well the cost of an error is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Basis {
-    /// Between two measured runs, or a run that is better and the cheapest there is.
-    Measured,
-    /// Beyond the measured runs, by the power law through them.
-    Extrapolated,
-    /// Beyond a single run, by the orders of theory.
-    Theory,
-}
-
-/// What it costs to reach an error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct CostToAccuracy {
-    /// Cost, in the unit of the pairs.
-    pub cost: f64,
-    /// How well it is known.
-    pub grounds: Basis,
-}
-
-/// Cost over that of the dearest run up to which a power law is continued.
-const FARTHEST: f64 = 1e6;
-
-/// Cost at which the front of the pairs (cost, error) reaches `error`, interpolated in logarithms.
-///
-/// Beyond the most accurate run the power law through the two best continues it, over two decades of
-/// error and six of cost at most; `None` if the front has a single run or does not get better with cost.
-pub(crate) fn reach(pairs: &[(f64, f64)], error: f64) -> Option<CostToAccuracy> {
+/// Cost at which the front of the pairs (cost, error) reaches `error`, interpolated in logarithms between two of
+/// them; that of the cheapest if it is better. `None` if no pair reaches it.
+pub(crate) fn reach(pairs: &[(f64, f64)], error: f64) -> Option<f64> {
     let front: Vec<(f64, f64)> = pareto(pairs).into_iter().map(|i| pairs[i]).collect();
-    let (first, last) = (front.first()?, front.last()?);
-    let measured = |cost| {
-        let grounds = Basis::Measured;
-        Some(CostToAccuracy { cost, grounds })
-    };
+    let first = front.first()?;
     if first.1 <= error {
-        return measured(first.0);
+        return Some(first.0);
     }
     for pair in front.windows(2) {
         let ((c0, e0), (c1, e1)) = (pair[0], pair[1]);
@@ -149,19 +119,10 @@ pub(crate) fn reach(pairs: &[(f64, f64)], error: f64) -> Option<CostToAccuracy> 
                 true => (e0 / error).ln() / (e0 / e1).ln(),
                 false => 1.0,
             };
-            return measured(c0 * (c1 / c0).powf(part));
+            return Some(c0 * (c1 / c0).powf(part));
         }
     }
-    // The two best runs: those before are ruled by the start of the program, which costs the same for all.
-    let best = &front[front.len().saturating_sub(2)..];
-    let swapped: Vec<(f64, f64)> = best.iter().map(|(c, e)| (*e, *c)).collect();
-    let fit = Fit::of(&swapped).filter(|fit| fit.slope < 0.0 && last.1 < 100.0 * error)?;
-    let cost = last.0 * (error / last.1).powf(fit.slope);
-    // Two runs with next to the same error continue to any number.
-    (cost < FARTHEST * last.0).then_some(CostToAccuracy {
-        cost,
-        grounds: Basis::Extrapolated,
-    })
+    None
 }
 
 #[cfg(test)]
@@ -202,6 +163,8 @@ mod tests {
         assert_eq!(Fit::of(&[(1.0, 1.0), (1.0, 2.0), (-1.0, 2.0)]), None);
         let fit = Fit::of(&[(1.0, 1.0), (10.0, 0.1)]).unwrap();
         assert!((fit.slope + 1.0).abs() < 1e-12 && fit.half_width.is_none());
+        assert_eq!(Fit::confident(&[(1.0, 1.0), (10.0, 0.1)]), None);
+        assert!(Fit::confident(&[(1.0, 1.0), (10.0, 0.1), (100.0, 0.01)]).is_some());
     }
 
     #[test]
@@ -219,20 +182,10 @@ mod tests {
     #[test]
     fn an_error_between_two_runs_costs_between_them() {
         let pairs = [(1.0, 1e-1), (100.0, 1e-3)];
-        let at = |error| reach(&pairs, error).unwrap();
-        assert!((at(1e-2).cost - 10.0).abs() < 1e-9);
-        assert_eq!(
-            at(0.5),
-            CostToAccuracy {
-                cost: 1.0,
-                grounds: Basis::Measured
-            }
-        );
-        assert!((at(1e-4).cost - 1000.0).abs() < 1e-6);
-        assert_eq!(at(1e-4).grounds, Basis::Extrapolated);
-        assert_eq!(reach(&pairs, 1e-6), None, "too far beyond");
-        assert_eq!(reach(&pairs[..1], 1e-2), None);
-        let flat = [(1.0, 1e-1), (2.0, 0.99e-1)];
-        assert_eq!(reach(&flat, 1e-2), None, "more than all time in the world");
+        assert!((reach(&pairs, 1e-2).unwrap() - 10.0).abs() < 1e-9);
+        assert_eq!(reach(&pairs, 0.5), Some(1.0), "the cheapest is better");
+        assert_eq!(reach(&pairs, 1e-3), Some(100.0));
+        assert_eq!(reach(&pairs, 0.99e-3), None, "beyond the best");
+        assert_eq!(reach(&[], 1e-2), None);
     }
 }

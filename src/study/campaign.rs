@@ -59,7 +59,8 @@ impl<'a> Campaign<'a> {
     }
 
     /// Runs all variants once, cheap ones first, then all again, as often as wished and as the budget
-    /// allows. Gives what is done and whether it is everything; variants without a run are left out.
+    /// allows. Gives a row at least of every variant, those whose turn did not come among them, and whether all
+    /// runs were made.
     ///
     /// # Errors
     /// [`StudyError`] if a run cannot be started or its row not be kept; a run that fails is a row.
@@ -99,15 +100,23 @@ impl<'a> Campaign<'a> {
                 rows[index].push(row);
             }
         }
-        let pairs = variants
-            .iter()
-            .cloned()
-            .zip(rows)
-            .filter(|(_, rows)| !rows.is_empty());
-        let measured = pairs
-            .map(|(variant, rows)| Measured::new(variant, rows))
-            .collect();
-        Ok((measured, complete))
+        let measured = variants.iter().zip(rows).map(|(variant, mut rows)| {
+            if rows.is_empty() {
+                rows.push(self.not_run(variant));
+            }
+            Measured::new(variant.clone(), rows)
+        });
+        Ok((measured.collect(), complete))
+    }
+
+    /// The row of a variant whose turn did not come.
+    fn not_run(&self, variant: &Variant) -> Row {
+        let key = self.subject.key(self.runner.build(), &variant.overrides);
+        let reason = match self.interrupt.is_raised() {
+            true => "the study was interrupted",
+            false => "the budget was used up",
+        };
+        Row::unmeasured(key, 0, Status::NotRun, reason.to_owned())
     }
 
     /// The row from the log, else a new one; `None` if time is up or the user wants to stop.
@@ -118,7 +127,10 @@ impl<'a> Campaign<'a> {
         too_long: bool,
     ) -> Result<Option<Row>, StudyError> {
         let key = self.subject.key(self.runner.build(), &variant.overrides);
-        if let Some(row) = self.log.find(&key, repetition) {
+        // A run that was given less time than it may take now is run again.
+        let too_short = self.limit.as_secs_f64();
+        let known = |row: &&Row| row.status != Status::TimedOut || row.wall_s >= too_short;
+        if let Some(row) = self.log.find(&key, repetition).filter(known) {
             return Ok(Some(row.clone()));
         }
         if too_long {

@@ -69,8 +69,11 @@ impl Section {
         }
     }
 
-    /// Adds a picture; a drawing that fails leaves its reason as a paragraph.
+    /// Adds a picture, unless it would show nothing; a drawing that fails leaves its reason as a paragraph.
     pub(crate) fn draw(&mut self, file: &str, caption: &str, plot: &LinePlot<'_>) {
+        if plot.series.iter().all(|series| series.x.is_empty()) {
+            return;
+        }
         let drawings = lines_text(plot, WIDE).and_then(|svg| Ok((svg, lines_text(plot, NARROW)?)));
         match drawings {
             Ok((svg, narrow)) => self.figures.push(Figure {

@@ -104,7 +104,7 @@ pub(crate) fn forecast(
             best.seconds * best.uncertainty,
         ),
         confidence: best.confidence(),
-        runs: runs.len(),
+        runs: runs.iter().filter(|run| run.done()).count(),
         others,
     })
 }

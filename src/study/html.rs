@@ -1,7 +1,7 @@
 //! Pages that need nothing but themselves: no network, no script.
 
 use super::findings::{ReportContent, Section, Table, count, plain, seconds, short};
-use super::{Machine, Measured, StudyCase};
+use super::{Coverage, Machine, Measured, Request, StudyCase};
 
 /// Screen, phone, print; colours of text and lines only, the drawings bring their own.
 const STYLE: &str = "\
@@ -114,25 +114,19 @@ fn section(section: &Section) -> String {
 
 /// The report of a study.
 pub(super) fn study_page(
-    (kind, command): (&str, &str),
+    (kind, request): (&str, &Request),
     subject: &StudyCase,
     machine: &Machine,
     findings: &ReportContent,
     runs: &[Measured],
-    complete: bool,
 ) -> String {
     let mut body = format!(
         "<p class=\"note\">perifrac {} on {}. Command: <code>{}</code></p>\n",
         env!("CARGO_PKG_VERSION"),
         escape(&machine.to_string()),
-        escape(command),
+        escape(&request.command),
     );
-    if !complete {
-        body += &paragraph(
-            "This study is not complete: the budget was used up or it was interrupted. The same command \
-             goes on where it stopped.",
-        );
-    }
+    body += &paragraph(&format!("{}.", request.state(&Coverage::of(runs))));
     let lines: String = findings
         .headlines
         .iter()
@@ -163,7 +157,7 @@ fn capital(word: &str) -> String {
 
 fn all_runs(runs: &[Measured]) -> Table {
     let mut table = Table::new(
-        "One row per variant: median of its repetitions, with the least and the most",
+        "One row per variant: median of its repetitions, with the range of their wall times",
         &[
             "method", "varied", "points", "error", "wall", "range", "CPU", "memory", "steps",
             "factors", "Krylov", "outcome",
@@ -175,21 +169,15 @@ fn all_runs(runs: &[Measured]) -> Table {
             .values
             .iter()
             .map(|(name, value)| format!("{} {}", name.replace('_', " "), plain(*value)));
-        let walls = || run.rows.iter().map(|row| row.wall_s);
         table.rows.push(vec![
             variant.method(),
             varied.collect::<Vec<_>>().join(", "),
             count(run.points()),
             short(run.error()),
             seconds(run.seconds()),
-            match run.rows.len() {
-                1 => "–".to_owned(),
-                _ => format!(
-                    "{} … {}",
-                    seconds(walls().fold(f64::NAN, f64::min)),
-                    seconds(walls().fold(f64::NAN, f64::max))
-                ),
-            },
+            run.range().map_or("–".to_owned(), |(least, most)| {
+                format!("{} … {}", seconds(least), seconds(most))
+            }),
             seconds(run.typical(|row| row.cpu_s)),
             match run.typical(|row| row.memory_bytes as f64) {
                 bytes if bytes.is_finite() => format!("{:.0} MB", bytes / 1e6),

@@ -24,6 +24,8 @@ pub(crate) enum Status {
     TimedOut,
     /// It was not started, because a cheaper run of the same kind took too long already.
     Skipped,
+    /// Its turn did not come before the budget was used up or the study was interrupted.
+    NotRun,
 }
 
 impl Status {
@@ -35,6 +37,7 @@ impl Status {
             Status::Failed => "failed",
             Status::TimedOut => "timed out",
             Status::Skipped => "skipped",
+            Status::NotRun => "not run",
         }
     }
 }

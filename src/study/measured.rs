@@ -43,6 +43,12 @@ impl Measured {
         &self.rows[0]
     }
 
+    /// How often it was started.
+    pub(crate) fn repetitions(&self) -> usize {
+        let idle = |row: &&Row| matches!(row.status, Status::Skipped | Status::NotRun);
+        self.rows.iter().filter(|row| !idle(row)).count()
+    }
+
     /// Whether it reached its end.
     pub(crate) fn done(&self) -> bool {
         self.first().status == Status::Done
@@ -52,6 +58,16 @@ impl Measured {
     pub(crate) fn typical(&self, measure: impl Fn(&Row) -> f64) -> f64 {
         let done = self.rows.iter().filter(|row| row.status == Status::Done);
         median(&done.map(measure).collect::<Vec<f64>>()).unwrap_or(f64::NAN)
+    }
+
+    /// Least and most wall time of a run that was repeated, s.
+    pub(crate) fn range(&self) -> Option<(f64, f64)> {
+        let walls = || {
+            let done = self.rows.iter().filter(|row| row.status == Status::Done);
+            done.map(|row| row.wall_s)
+        };
+        let (least, most) = (walls().reduce(f64::min)?, walls().reduce(f64::max)?);
+        (walls().count() > 1).then_some((least, most))
     }
 
     /// Median wall time, s.

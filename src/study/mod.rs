@@ -7,9 +7,11 @@
 
 mod analysis;
 mod campaign;
+mod chart;
 mod contrast;
 mod convergence;
 mod cost;
+mod coverage;
 mod error;
 mod findings;
 mod forecast;
@@ -28,8 +30,9 @@ mod variant;
 
 use std::path::Path;
 
-pub(crate) use analysis::{Basis, CostToAccuracy, Fit, median, pareto, reach};
+pub(crate) use analysis::{Fit, median, pareto, reach};
 pub(crate) use campaign::{Campaign, Watcher};
+pub(crate) use coverage::{Coverage, Request};
 pub use error::StudyError;
 pub(crate) use findings::{ReportContent, Section, Table};
 pub(crate) use forecast::{calibration, compare_costs, forecast};
@@ -101,17 +104,15 @@ pub(crate) fn study(name: &str) -> Option<Box<dyn Study>> {
 /// Names of all studies.
 pub(crate) const NAMES: [&str; 4] = ["cost", "contrast", "stability", "convergence"];
 
-/// Writes table, numbers and report of a study, which tells the `command` it was asked for with, into its folder, each
-/// file whole or not at all.
+/// Writes table, numbers and report of a study into its folder, each file whole or not at all.
 ///
 /// # Errors
 /// [`StudyError::Output`] if a file cannot be written.
 pub(crate) fn write_report(
     folder: &Path,
-    (study, command): (&dyn Study, &str),
+    (study, request): (&dyn Study, &Request),
     subject: &StudyCase,
     runs: &[Measured],
-    complete: bool,
 ) -> Result<serde_json::Value, StudyError> {
     let machine = Machine::here();
     let findings = study.findings(subject, runs);
@@ -123,10 +124,12 @@ pub(crate) fn write_report(
         "study": study.name(),
         "case": subject.plan.case,
         "overrides": subject.overrides,
-        "command": command,
+        "command": request.command,
         "version": env!("CARGO_PKG_VERSION"),
         "machine": machine,
-        "complete": complete,
+        "complete": request.complete,
+        "coverage": Coverage::of(runs).facts(),
+        "headlines": findings.headlines,
         "findings": findings.facts,
         "runs": runs.iter().map(table::entry).collect::<Vec<_>>(),
     });
@@ -134,16 +137,12 @@ pub(crate) fn write_report(
     for (name, svg) in findings.pictures() {
         write_atomically(folder.join(name), |out| out.write_all(svg.as_bytes()))?;
     }
-    let page = html::study_page(
-        (study.name(), command),
-        subject,
-        &machine,
-        &findings,
-        runs,
-        complete,
-    );
+    let page = html::study_page((study.name(), request), subject, &machine, &findings, runs);
     write_atomically(folder.join("report.html"), |out| {
         out.write_all(page.as_bytes())
     })?;
     Ok(report)
 }
+
+#[cfg(test)]
+mod tests;

@@ -55,7 +55,7 @@ pub(super) fn entry(run: &Measured) -> Value {
         "status": run.first().status,
         "code": run.first().code,
         "reason": run.first().reason,
-        "repetitions": run.rows.len(),
+        "repetitions": run.repetitions(),
         "errors": run.errors(),
         "resolved": run.resolved(),
         "measures": measures.collect::<serde_json::Map<String, Value>>(),
@@ -94,7 +94,7 @@ pub(super) fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
         cells.extend([
             first.status.name().to_owned(),
             run.resolved().to_string(),
-            run.rows.len().to_string(),
+            run.repetitions().to_string(),
         ]);
         cells.extend(MEASURES.iter().map(|(_, measure)| cell(measure(run))));
         cells.extend(

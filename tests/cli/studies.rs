@@ -65,7 +65,14 @@ fn the_report_has_the_numbers_of_the_single_runs() {
     let table = String::from_utf8(place.read("s/cost.csv")).unwrap();
     assert_eq!(table.lines().count(), 9, "{table}");
     let page = String::from_utf8(place.read("s/report.html")).unwrap();
-    assert!(page.contains("<svg") && page.contains("Pareto front"));
+    assert!(page.contains("<svg") && page.contains("The line of a method joins"));
+    let drawing = String::from_utf8(place.read("s/cost.svg")).unwrap();
+    let marks = drawing.matches("<circle").count() + drawing.matches("<polygon").count();
+    assert_eq!(
+        marks,
+        8 + 2,
+        "a mark per run, and of either method in the legend"
+    );
     assert!(
         !page.contains("src=\"http") && !page.contains("href=\"http"),
         "no network"
@@ -245,10 +252,17 @@ fn a_study_of_stability_goes_on_and_finds_the_explicit_limit() {
     let borders = report["findings"]["borders"].as_array().unwrap();
     assert_eq!(borders.len(), 9);
     for border in borders {
-        let apart = border["border"]["cells_apart"].as_f64().unwrap();
-        assert!(apart <= 1.0, "{border}");
-        let always = border["border"]["unstable"].is_null();
+        let border_of = |key: &str| &border["border"][key];
+        let always = border_of("unstable").is_null();
         assert_eq!(always, border["method"] != "explicit", "{border}");
+        assert_eq!(border_of("found").is_null(), always, "{border}");
+        match border_of("cells_apart").as_f64() {
+            Some(apart) => assert!(apart <= 1.0 && !always, "{border}"),
+            None => assert!(
+                always,
+                "theory has no border there and none was found: {border}"
+            ),
+        }
     }
 }
 
@@ -285,7 +299,9 @@ fn the_lagged_split_holds_from_the_step_that_theory_names() {
     for border in borders.iter().filter(lagged) {
         let border = &border["border"];
         let strength = border["strength"].as_f64().unwrap();
-        assert!(border["cells_apart"].as_f64().unwrap() <= 1.0, "{border}");
+        let apart = border["cells_apart"].as_f64();
+        assert_eq!(apart.is_some(), strength > 1.0, "{border}");
+        assert!(apart.unwrap_or(0.0) <= 1.0, "{border}");
         assert!(border["stable"].is_array(), "{border}");
         assert_eq!(border["unstable"].is_array(), strength > 1.0, "{border}");
         assert_eq!(border["theory"][0].as_f64().unwrap() > 0.0, strength > 1.0);
@@ -297,6 +313,65 @@ fn the_lagged_split_holds_from_the_step_that_theory_names() {
         monolithic
             .iter()
             .all(|entry| entry["class"] == "converged" || entry["class"] == "inaccurate")
+    );
+}
+
+/// Longer than no run, so that none ends.
+const NO_TIME: [&str; 2] = ["--limit", "0.001s"];
+
+#[test]
+fn a_study_without_time_says_what_is_missing_and_claims_nothing() {
+    for (kind, case) in [
+        ("cost", "terzaghi"),
+        ("contrast", "two-layer"),
+        ("stability", "terzaghi"),
+        ("convergence", "terzaghi"),
+    ] {
+        let place = Place::new();
+        let own = [
+            "study", kind, case, "--quick", "--budget", "20s", "--out", "a b",
+        ];
+        let text = place.succeed(&[&own[..], &NO_TIME].concat());
+        assert!(text.contains("0 of ") && !text.contains("NaN"), "{text}");
+        let longer = format!("`perifrac study {kind} {case} --quick --out 'a b'`");
+        assert!(text.contains(&longer), "{text}");
+        let page = String::from_utf8(place.read("a b/report.html")).unwrap();
+        let command = format!(
+            "<code>perifrac study {kind} {case} --quick --budget 20s --out 'a b' --limit 0.001s</code>"
+        );
+        assert!(page.contains(&command), "{page}");
+        for words in [
+            "NaN",
+            "<svg",
+            "is of order",
+            "found at",
+            " wins ",
+            "at every step run",
+        ] {
+            assert!(!page.contains(words), "{kind}: {words}");
+        }
+        let report = report(&place, "a b");
+        assert_eq!(report["coverage"]["outcomes"]["done"], 0);
+        let planned = report["coverage"]["planned"].as_u64().unwrap();
+        assert_eq!(report["runs"].as_array().unwrap().len() as u64, planned);
+    }
+}
+
+/// The command that a page names gives the runs that it lacks.
+#[test]
+fn a_study_that_lacked_time_goes_on_with_the_command_it_names() {
+    let place = Place::new();
+    let short = [&SMALL[..], &["--out", "s"], &NO_TIME].concat();
+    let text = place.succeed(&short);
+    let command = text.split('`').nth(1).unwrap().replace('\'', "");
+    let bare = [&SMALL[..], &["--out", "s"]].concat();
+    assert_eq!(command, format!("perifrac {}", bare.join(" ")));
+    let text = place.succeed(&bare);
+    assert!(text.contains("8 of 8 runs done\n"), "{text}");
+    let text = place.succeed(&short);
+    assert!(
+        text.contains("8 of 8 runs done\n"),
+        "what is done stays done: {text}"
     );
 }
 

@@ -51,6 +51,8 @@ pub enum LineStyle {
     Dashed,
     /// One mark per value, for instance measurements.
     Markers,
+    /// A thin solid curve that never has marks, for instance between measurements.
+    Thin,
 }
 
 /// One set of values over a coordinate.

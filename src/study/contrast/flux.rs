@@ -7,9 +7,10 @@ use serde::Serialize;
 use super::exact::{Known, Measure, driven, known, outlet};
 use super::rock::Varied;
 use super::{Group, OPERATORS, STEADY, of_operator};
-use crate::output::{LinePlot, LineStyle, Series};
+use crate::output::LinePlot;
+use crate::study::chart::{Marks, series};
 use crate::study::findings::short;
-use crate::study::{Measured, Section, StudyCase, Table};
+use crate::study::{Coverage, Measured, Section, StudyCase, Table};
 
 /// What the flux showed.
 pub(super) struct FluxFindings {
@@ -46,14 +47,17 @@ pub(super) fn section(subject: &StudyCase, groups: &BTreeMap<String, Group<'_>>)
         .flatten()
         .copied()
         .collect();
+    let coverage = Coverage::of(runs.iter().copied());
     let known = known_at(subject, &runs);
     let rows = rows(subject, &runs, &known);
     let measure = known.first().map(|(_, known)| known.measure);
     let (Some(measure), false) = (measure, rows.is_empty()) else {
-        section.text.push(
-            "No steady run of a plane lattice between two sides of prescribed pressure is there to hold a flux against."
+        section.text.push(match driven(&subject.plan) {
+            Some(_) => format!("No flux was measured: {coverage}."),
+            None => "The case is not a plane lattice between two sides of prescribed pressure, so nothing is known of \
+                     its flux."
                 .to_owned(),
-        );
+        });
         return FluxFindings {
             section,
             headlines: Vec::new(),
@@ -62,12 +66,8 @@ pub(super) fn section(subject: &StudyCase, groups: &BTreeMap<String, Group<'_>>)
     };
     let curves = curves(&rows, measure, &known);
     section.text.push(words(measure).to_owned());
-    let missing = runs.iter().filter(|run| !run.done()).count();
-    if missing > 0 {
-        section.text.push(format!(
-            "{missing} of {} runs came to no result and have no point.",
-            runs.len()
-        ));
+    if coverage.done() < runs.len() {
+        section.text.push(format!("{coverage}."));
     }
     if rows.iter().any(|row| row.error < FLOOR) {
         section
@@ -106,13 +106,14 @@ fn widest<'a, 'b>(
     steady.map(|(_, runs)| runs).max_by_key(|runs| runs.len())
 }
 
-/// What is known at every contrast of the runs, by contrast.
+/// What is known at every contrast of the runs that are done, by contrast.
 fn known_at(subject: &StudyCase, runs: &[&Measured]) -> Vec<(f64, Known)> {
     let Ok(varied) = Varied::of(subject) else {
         return Vec::new();
     };
     let mut contrasts: Vec<f64> = runs
         .iter()
+        .filter(|run| run.done())
         .map(|run| run.variant.value("contrast"))
         .collect();
     contrasts.sort_by(f64::total_cmp);
@@ -167,33 +168,26 @@ fn curves(
 }
 
 fn draw(section: &mut Section, curves: &[(String, Vec<(f64, f64)>)]) {
-    let columns: Vec<(&str, Vec<f64>, Vec<f64>)> = curves
-        .iter()
-        .map(|(name, pairs)| {
-            let drawn = pairs.iter().map(|(x, error)| (*x, error.max(FLOOR)));
-            let (x, y) = drawn.unzip();
-            (name.as_str(), x, y)
-        })
-        .collect();
-    let series: Vec<Series<'_>> = columns
-        .iter()
-        .map(|(label, x, y)| Series {
-            label,
-            x,
-            y,
-            style: LineStyle::Line,
-        })
-        .collect();
+    let caption = match curves.iter().any(|(name, _)| name == TWO_POINT) {
+        true => {
+            "Error of the steady flux by operator, a mark per run; the two-point flux is computed without one."
+        }
+        false => "Error of the steady flux by operator, a mark per run.",
+    };
+    let curve = |(name, pairs): &(String, Vec<(f64, f64)>)| {
+        Marks::joined(name, pairs.iter().map(|(x, error)| (*x, error.max(FLOOR))))
+    };
+    let marks: Vec<Marks> = curves.iter().map(curve).collect();
     section.draw(
         "contrast-flux",
-        "Error of the steady flux by operator.",
+        caption,
         &LinePlot {
             title: "Error of the steady flux against contrast",
             x_label: "contrast of permeability",
             y_label: "relative error",
             x_log: true,
             y_log: true,
-            series: &series,
+            series: &series(&marks, &[]),
             note: None,
         },
     );
@@ -231,11 +225,18 @@ fn headlines(curves: &[(String, Vec<(f64, f64)>)], measure: Measure) -> Vec<Stri
     let line = |(name, pairs): &(String, Vec<(f64, f64)>)| {
         let worst = pairs.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let [low, high] = [pairs.first()?.0, pairs.last()?.0];
-        Some(format!(
-            "{name}: steady flux off {from} by at most {} over contrasts of {low:.0e} to {high:.0e}, at {:.0e}.",
-            short(worst.1),
-            worst.0
-        ))
+        Some(match pairs.len() {
+            1 => format!(
+                "{name}: steady flux off {from} by {} at {low:.0e}, the only contrast done.",
+                short(worst.1)
+            ),
+            count => format!(
+                "{name}: steady flux off {from} by at most {} at {count} contrasts from {low:.0e} to {high:.0e}, \
+                 the most at {:.0e}.",
+                short(worst.1),
+                worst.0
+            ),
+        })
     };
     curves.iter().filter_map(line).collect()
 }

@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
+use super::chart::{Marks, series};
 use super::variant::Method;
 use super::{Measured, Options, ReportContent, Section, Study, StudyCase, StudyError, Variant};
-use crate::output::{LinePlot, LineStyle, Series};
+use crate::output::LinePlot;
 use crate::plan::TimeMode;
 use rock::Varied;
 
@@ -206,23 +207,13 @@ fn of_operator<'a, 'b>(
         .filter(move |(name, _)| name.ends_with(operator))
 }
 
-/// Curves of a measure: label, contrasts and values above zero.
-fn columns(
-    groups: &BTreeMap<String, Group<'_>>,
-    measure: impl Fn(&Measured) -> f64,
-) -> Vec<(String, Vec<f64>, Vec<f64>)> {
-    let column = |(name, runs): (&String, &Group<'_>)| {
-        let pairs = runs
-            .iter()
-            .map(|run| (run.variant.value("contrast"), measure(run)));
-        let (x, y): (Vec<f64>, Vec<f64>) = pairs.filter(|pair| pair.1 > 0.0).unzip();
-        (name.clone(), x, y)
-    };
-    groups
+/// The curve of a measure over the contrast, where it is above zero; `None` if it is nowhere.
+fn curve(name: &str, runs: &[&Measured], measure: impl Fn(&Measured) -> f64) -> Option<Marks> {
+    let pairs = runs
         .iter()
-        .map(column)
-        .filter(|(_, x, _)| !x.is_empty())
-        .collect()
+        .map(|run| (run.variant.value("contrast"), measure(run)));
+    let pairs: Vec<(f64, f64)> = pairs.filter(|pair| pair.1 > 0.0).collect();
+    (!pairs.is_empty()).then(|| Marks::joined(name, pairs))
 }
 
 fn draw(
@@ -233,18 +224,9 @@ fn draw(
     groups: &BTreeMap<String, Group<'_>>,
     measure: impl Fn(&Measured) -> f64,
 ) {
-    let columns = columns(groups, measure);
-    if columns.is_empty() {
-        return;
-    }
-    let lines = columns.iter();
-    let series: Vec<Series<'_>> = lines
-        .map(|(label, x, y)| Series {
-            label,
-            x,
-            y,
-            style: LineStyle::Line,
-        })
+    let curves = groups.iter();
+    let curves: Vec<Marks> = curves
+        .filter_map(|(name, runs)| curve(name, runs, &measure))
         .collect();
     section.draw(
         file,
@@ -255,7 +237,7 @@ fn draw(
             y_label,
             x_log: true,
             y_log: true,
-            series: &series,
+            series: &series(&curves, &[]),
             note: None,
         },
     );

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::breaking;
-use crate::study::Measured;
 use crate::study::findings::{count, short};
 use crate::study::over_resolved::{LEAST_FALL, OverResolved, RESOLVED, is_level};
+use crate::study::{Coverage, Measured};
 
 /// The over-resolved run and how far it is trusted; `run` is missing if none could be verified.
 #[derive(Debug, Clone, Serialize)]
@@ -17,6 +17,8 @@ pub(super) struct Assessment {
     unresolved: usize,
     /// Runs that reached their end.
     of: usize,
+    /// How the over-resolved runs ended.
+    chain: String,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -57,15 +59,18 @@ impl Assessment {
             run,
             unresolved: own().filter(|run| !run.resolved()).count(),
             of: own().count(),
+            chain: Coverage::of(runs.iter().filter(|run| is_level(&run.variant))).to_string(),
         }
     }
 
     /// One sentence.
     pub(super) fn line(&self) -> String {
         let Some(run) = &self.run else {
-            return "There are no errors: no over-resolved run could be verified within its time; raise \
-                    --limit and --budget, or choose smaller clouds with --points."
-                .to_owned();
+            return format!(
+                "There are no errors, as they are distances from an over-resolved run that another one verifies. Of \
+                 these, {}.",
+                self.chain
+            );
         };
         let remedy = match run.fall {
             Some(fall) if fall < LEAST_FALL => {
@@ -73,22 +78,27 @@ impl Assessment {
             }
             _ => "",
         };
+        let resolved = match (self.unresolved, self.of) {
+            (_, 0) => "no other run is done".to_owned(),
+            (0, of) => format!(
+                "the errors of all {of} other runs are at least {}",
+                short(run.least)
+            ),
+            (some, of) => format!(
+                "{some} of {of} other runs, with an error below {}, are not resolved by it",
+                short(run.least)
+            ),
+        };
         format!(
-            "Errors are distances from an over-resolved run of {} points, which is itself good to: {}; {} \
-             of {} runs, with an error below {}, are not resolved by it.{remedy}",
+            "Errors are distances from an over-resolved run of {} points, which is itself good to: {}; {resolved}.{remedy}",
             count(run.points),
             run.verdict,
-            self.unresolved,
-            self.of,
-            short(run.least)
         )
     }
 
-    /// How that was found.
-    pub(super) fn paragraph(&self) -> String {
-        let Some(run) = &self.run else {
-            return self.line();
-        };
+    /// How that was found; `None` where it was not.
+    pub(super) fn paragraph(&self) -> Option<String> {
+        let run = self.run.as_ref()?;
         let cloud = match run.spacing {
             Some(spacing) => format!("a spacing of {} m", short(spacing)),
             None => "the same cloud, so that errors are those in time alone".to_owned(),
@@ -104,7 +114,7 @@ impl Assessment {
             None => "two runs cannot tell how errors fall, so that only a factor of 2 is assumed"
                 .to_owned(),
         };
-        format!(
+        Some(format!(
             "The case has no exact solution. The exact field is that of an over-resolved run: the scheme \
              of highest order with {finer}. Fields are compared at every output at the same places on \
              lines through the whole domain; runs draw no pictures. Coarser runs of the same kind verify \
@@ -112,6 +122,6 @@ impl Assessment {
              compared with. Runs with less than {RESOLVED:.0} times the largest of these are marked as not \
              resolved, and are in the table of all runs only.",
             run.verdict
-        )
+        ))
     }
 }

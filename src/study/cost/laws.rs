@@ -1,17 +1,24 @@
 //! Orders in space, and how the seconds grow with the number of points.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::{Pair, groups};
-use crate::output::{LinePlot, LineStyle, Series};
-use crate::study::findings::seconds;
+use super::{Groups, Pair};
+use crate::output::LinePlot;
+use crate::study::chart::{Marks, legend, series};
+use crate::study::findings::count;
 use crate::study::{Fit, Measured, Section, Table};
 
+/// Clouds that an order is fitted over, the finest.
+pub(super) const CLOUDS: usize = 3;
+
 /// Runs of every method at its smallest tolerance, one per grid.
-fn finest_in_time<'a>(done: &[&'a Measured]) -> BTreeMap<String, Vec<&'a Measured>> {
-    let mut chosen = groups(done);
+fn finest_in_time<'a>(done: &[&'a Measured]) -> Groups<'a> {
+    let mut chosen = Groups::new();
+    for run in done {
+        chosen.entry(run.variant.method()).or_default().push(run);
+    }
     for runs in chosen.values_mut() {
         let tolerance = |run: &Measured| run.variant.value("tolerance");
         let least = runs
@@ -36,7 +43,7 @@ pub(super) fn orders(done: &[&Measured]) -> (Table, serde_json::Value) {
             let spacing = |run: &Measured| run.variant.value("spacing");
             spacing(a).total_cmp(&spacing(b))
         });
-        runs.truncate(3);
+        runs.truncate(CLOUDS);
         let fields: BTreeSet<String> = runs
             .iter()
             .flat_map(|run| run.errors().into_keys())
@@ -46,7 +53,9 @@ pub(super) fn orders(done: &[&Measured]) -> (Table, serde_json::Value) {
                 .iter()
                 .filter_map(|run| Some((run.variant.value("spacing"), *run.errors().get(&field)?)))
                 .collect();
-            let Some(fit) = Fit::of(&pairs) else { continue };
+            let Some(fit) = Fit::confident(&pairs) else {
+                continue;
+            };
             table.rows.push(vec![
                 name.clone(),
                 field.clone(),
@@ -60,15 +69,17 @@ pub(super) fn orders(done: &[&Measured]) -> (Table, serde_json::Value) {
     (table, json!(facts))
 }
 
-/// Exponents of the wall time over the number of points.
+/// Exponents of the wall time over the number of points, of methods with three clouds at least.
 pub(super) fn growth(done: &[&Measured]) -> (Table, serde_json::Value) {
     let mut table = Table::new(
-        "How the wall time grows with the number of points n, at the smallest tolerance: seconds ∝ n^exponent",
+        "How the wall time grows with the number of points n between the clouds run, at the smallest tolerance: \
+         seconds ∝ n^exponent",
         &[
             "method",
             "exponent",
-            "seconds for 1e5 points by this law",
             "grids",
+            "fewest points",
+            "most points",
         ],
     );
     let mut facts = Vec::new();
@@ -77,12 +88,16 @@ pub(super) fn growth(done: &[&Measured]) -> (Table, serde_json::Value) {
             .iter()
             .map(|run| (run.points(), run.seconds()))
             .collect();
-        let Some(fit) = Fit::of(&pairs) else { continue };
+        let Some(fit) = Fit::confident(&pairs) else {
+            continue;
+        };
+        let points = || pairs.iter().map(|pair| pair.0);
         table.rows.push(vec![
             name.clone(),
             fit.to_string(),
-            format!("≈ {}", seconds(fit.at(1e5))),
             fit.pairs.to_string(),
+            count(points().fold(f64::NAN, f64::min)),
+            count(points().fold(f64::NAN, f64::max)),
         ]);
         facts.push(json!({ "method": name, "fit": fit }));
     }
@@ -90,33 +105,26 @@ pub(super) fn growth(done: &[&Measured]) -> (Table, serde_json::Value) {
 }
 
 /// Draws the wall time over the number of points.
-pub(super) fn draw_growth(section: &mut Section, groups: &BTreeMap<String, Vec<&Measured>>) {
-    let columns: Vec<(&String, Vec<f64>, Vec<f64>)> = groups
-        .iter()
-        .map(|(name, runs)| {
-            let (x, y) = runs.iter().map(|run| (run.points(), run.seconds())).unzip();
-            (name, x, y)
-        })
-        .collect();
-    let series: Vec<Series<'_>> = columns
-        .iter()
-        .map(|(name, x, y)| Series {
-            label: name,
-            x,
-            y,
-            style: LineStyle::Markers,
-        })
-        .collect();
+pub(super) fn draw_growth(section: &mut Section, groups: &Groups<'_>) {
+    let mark = |(name, runs): (&String, &Vec<&Measured>)| {
+        let pairs = runs.iter().map(|run| (run.points(), run.seconds()));
+        Marks::new(name, pairs).ranged(runs, |run, wall| (run.points(), wall))
+    };
+    let own = groups.iter().filter(|(_, runs)| !runs.is_empty());
+    let marks: Vec<Marks> = own.map(mark).collect();
     section.draw(
         "growth",
-        "Seconds against the number of points, at every tolerance.",
+        &format!(
+            "Seconds against the number of points, at every tolerance. {}",
+            legend(groups.values().flatten().copied())
+        ),
         &LinePlot {
             title: "Wall time against size",
             x_label: "points",
             y_label: "wall time [s]",
             x_log: true,
             y_log: true,
-            series: &series,
+            series: &series(&marks, &[]),
             note: None,
         },
     );

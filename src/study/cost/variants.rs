@@ -1,6 +1,6 @@
 //! The runs of the study of cost.
 
-use super::{breaking, steady_only};
+use super::{STEADY, breaking, steady_only};
 use crate::plan::TimeMode;
 use crate::study::{
     Grid, Method, Options, RecordedOutput, StudyCase, StudyError, Variant, over_resolved,
@@ -142,7 +142,7 @@ fn steady(subject: &StudyCase, options: &Options, grids: &[Grid]) -> Vec<Variant
                 .set(grid.overrides.clone())
                 .set(["time.mode=\"steady\"".to_owned()])
                 .with("spacing", grid.spacing);
-            variant.scheme = "steady".to_owned();
+            variant.scheme = STEADY.to_owned();
             variant.weight = grid.points as f64;
             variant
         })

@@ -17,6 +17,9 @@ pub(super) const OVERSHOOT: f64 = 0.05;
 /// Steps that undershoot, or turns of the pressure, that count as oscillation.
 const OFTEN: usize = 3;
 
+/// Exit code of a run that did not converge or was unstable.
+const UNSTABLE: i32 = 4;
+
 /// How a run went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Class {
@@ -29,33 +32,47 @@ pub(super) enum Class {
 }
 
 impl Class {
-    /// In the order of legends.
-    pub(super) const ALL: [Class; 6] = [
+    /// Classes of runs that say something of stability, in the order of legends.
+    pub(super) const TOLD: [Class; 4] = [
         Class::Converged,
         Class::Inaccurate,
         Class::Oscillating,
         Class::Diverged,
-        Class::Refused,
-        Class::Unfinished,
     ];
+
+    /// Whether the run says something of stability.
+    pub(super) fn is_told(self) -> bool {
+        Class::TOLD.contains(&self)
+    }
 
     /// The class of a run.
     pub(super) fn of(run: &Measured) -> Class {
         match run.first().status {
             Status::Done => {}
             Status::Refused => return Class::Refused,
-            Status::TimedOut | Status::Skipped => return Class::Unfinished,
-            _ => return Class::Diverged,
+            Status::Failed if run.first().code == Some(UNSTABLE) => return Class::Diverged,
+            _ => return Class::Unfinished,
         }
         let extremes = Extremes::of(run);
-        let error = error(run, extremes.start());
-        match error {
+        match Class::error_of(run) {
+            error if error.is_nan() && extremes.high.is_empty() => Class::Unfinished,
             _ if extremes.grew() => Class::Diverged,
             error if error > DIVERGED => Class::Diverged,
             _ if extremes.oscillate() => Class::Oscillating,
             error if error > INACCURATE => Class::Inaccurate,
             _ => Class::Converged,
         }
+    }
+
+    /// Largest error of the fields at the end over their ranges; NaN without an exact solution. The range
+    /// of a pressure that has drained is not below a share of the pressure at the start.
+    pub(super) fn error_of(run: &Measured) -> f64 {
+        let start = Extremes::of(run).start();
+        let pressure = run.error_of("pressure", |error| error.l2);
+        let range = run.error_of("pressure", |error| error.range);
+        let floor = range / range.max(FADED * start);
+        let displacement = run.error_of("displacement", |error| error.l2);
+        (pressure * floor).max(displacement)
     }
 
     /// Whether nothing grew that the exact solution has not; swings may be there, if they fade.
@@ -77,16 +94,6 @@ impl Class {
             Class::Unfinished => "unfinished",
         }
     }
-}
-
-/// Largest error of the fields at the end over their ranges; NaN without an exact solution. The range
-/// of a pressure that has drained is not below a share of the pressure at the start.
-fn error(run: &Measured, start: f64) -> f64 {
-    let pressure = run.error_of("pressure", |error| error.l2);
-    let range = run.error_of("pressure", |error| error.range);
-    let floor = range / range.max(FADED * start);
-    let displacement = run.error_of("displacement", |error| error.l2);
-    (pressure * floor).max(displacement)
 }
 
 /// Smallest and largest pressure after every step, the start first, Pa.
@@ -165,6 +172,28 @@ mod tests {
             (profile::HIGHEST.to_owned(), series(&high)),
         ];
         Class::of(&Measured::new(Variant::default(), vec![row]))
+    }
+
+    /// What stopped for another reason, was cut off or left nothing to judge by says nothing of stability.
+    #[test]
+    fn only_runs_that_ended_or_became_unstable_are_told() {
+        let of = |status, code| {
+            let mut row = Row::unmeasured(String::new(), 0, status, String::new());
+            row.code = code;
+            Class::of(&Measured::new(Variant::default(), vec![row]))
+        };
+        assert_eq!(of(Status::Failed, Some(UNSTABLE)), Class::Diverged);
+        for (status, code) in [
+            (Status::Done, Some(0)),
+            (Status::Failed, Some(1)),
+            (Status::Failed, None),
+            (Status::TimedOut, None),
+            (Status::Skipped, None),
+            (Status::NotRun, None),
+            (Status::Refused, Some(3)),
+        ] {
+            assert!(!of(status, code).is_told(), "{status:?}");
+        }
     }
 
     fn fade(step: i32) -> f64 {

@@ -9,7 +9,7 @@ mod tried;
 
 use serde_json::json;
 
-use self::border::borders;
+use self::border::{borders, headline};
 use self::class::{Class, INACCURATE, OVERSHOOT};
 use self::map::draw;
 use self::setting::Setting;
@@ -112,28 +112,9 @@ impl Study for Stability {
         };
         let coupled = subject.is_coupled();
         let mut section = Section::new("Maps of stability");
-        section.text.push(format!(
-            "Every mark is a run of {STEPS} constant steps on {} points. Steps are counted in the stable \
-             step of forward Euler with the storage s + α²/M; dashed is where theory puts the border: \
-             Fourier factors of all waves of the lattice with the operators' own symbols. Diverged means \
-             that the run stopped or that its pressure or its error grew, inaccurate an error above \
-             {INACCURATE} at the end. Oscillating means that the pressure, which neither grew, turned \
-             again and again from one step to the next or undershot zero, by more than {OVERSHOOT}.",
-            runs.first().map_or(0.0, |run| run.points())
-        ));
+        section.text.extend(words(runs));
         let axis = if coupled { "strength" } else { "contrast" };
-        let mut table = Table::new(
-            "Border of stability by theory and as found: the smallest and the largest step of either kind in \
-             each row, in units of the explicit limit",
-            &[
-                "method",
-                axis,
-                "theory",
-                "found stable",
-                "found unstable",
-                "cells apart",
-            ],
-        );
+        let mut table = table(axis);
         let mut facts = Vec::new();
         let mut headlines = Vec::new();
         for tried in tried(coupled) {
@@ -147,30 +128,7 @@ impl Study for Stability {
             let split = (tried.split)(subject);
             draw(&mut section, tried.label, axis, &own, &setting, split);
             let borders = borders(&own, axis, &setting, split);
-            let worst = borders
-                .iter()
-                .map(|border| border.cells_apart)
-                .fold(0.0, f64::max);
-            headlines.push(match split {
-                Split::Unconditional => {
-                    let fell = own.iter().filter(|run| !Class::of(run).is_stable()).count();
-                    format!(
-                        "{}: {} of {} runs stable at every step and {axis}.",
-                        tried.label,
-                        own.len() - fell,
-                        own.len()
-                    )
-                }
-                _ => format!(
-                    "{}: the border found is {} of theory's.",
-                    tried.label,
-                    match worst < 0.5 {
-                        true => "in the very grid cell".to_owned(),
-                        false if worst < 1.5 => "within one grid cell".to_owned(),
-                        false => format!("within {worst:.0} grid cells"),
-                    }
-                ),
-            });
+            headlines.push(headline(tried.label, axis, &borders));
             for border in borders {
                 table.rows.push(border.cells(tried.label));
                 facts.push(json!({ "method": tried.label, "border": border }));
@@ -187,4 +145,48 @@ impl Study for Stability {
             sections: vec![section],
         }
     }
+}
+
+/// What the maps show; nothing if no run says anything of stability.
+fn words(runs: &[Measured]) -> Vec<String> {
+    let told: Vec<&Measured> = runs.iter().filter(|run| Class::of(run).is_told()).collect();
+    if told.is_empty() {
+        return vec!["No run ended or became unstable, so there is no map.".to_owned()];
+    }
+    let points = told.iter().map(|run| run.points()).find(|n| n.is_finite());
+    let points = points.map_or(String::new(), |points| format!(" on {points} points"));
+    let mut words = vec![format!(
+        "Every mark is a run of {STEPS} constant steps{points}; runs that were not made, refused or cut off have \
+         none. Steps are counted in the stable step of forward Euler with the storage s + α²/M; dashed is where theory \
+         puts the border: Fourier factors of all waves of the lattice with the operators' own symbols. Diverged means \
+         that the run stopped or that its pressure or its error grew, inaccurate an error above {INACCURATE} at the \
+         end. Oscillating means that the pressure, which neither grew, turned again and again from one step to the \
+         next or undershot zero, by more than {OVERSHOOT}. A border is found where of two neighbouring steps one is \
+         stable and one is not."
+    )];
+    if told.iter().all(|run| Class::error_of(run).is_nan()) {
+        words.push(
+            "No run has an error against an exact solution: converged means only that the pressure neither grew nor \
+             oscillated."
+                .to_owned(),
+        );
+    }
+    words
+}
+
+fn table(axis: &str) -> Table {
+    Table::new(
+        "Border of stability by theory and as found: the smallest and the largest step of either kind in \
+         each row, in units of the explicit limit",
+        &[
+            "method",
+            axis,
+            "theory",
+            "runs ended",
+            "found stable",
+            "found unstable",
+            "border",
+            "cells apart",
+        ],
+    )
 }

@@ -176,6 +176,10 @@ pub(super) fn draw_curve<B: DrawingBackend>(
 ) -> Drawn<()> {
     let look = &curve.look;
     for piece in &curve.pieces {
+        if look.style == LineStyle::Thin {
+            look.stroke(canvas, piece)?;
+            continue;
+        }
         if look.style == LineStyle::Markers || piece.len() == 1 {
             piece
                 .iter()

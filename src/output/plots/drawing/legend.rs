@@ -13,6 +13,9 @@ use super::{Drawn, Place};
 /// Width of curves, px.
 pub(super) const STROKE: f64 = 2.0;
 
+/// Width of thin curves, px.
+const THIN: f64 = 1.0;
+
 /// Lengths of dash, gap, dash, gap …, px, in turn for dashed curves.
 const PATTERNS: [&[f64]; 4] = [
     &[9.0, 5.0],
@@ -60,6 +63,7 @@ impl Look {
     ) -> Drawn<()> {
         match self.style {
             LineStyle::Line => canvas.polyline(places, STROKE, self.colour()),
+            LineStyle::Thin => canvas.polyline(places, THIN, self.colour()),
             LineStyle::Markers => Ok(()),
             LineStyle::Dashed => {
                 for dash in dashes(places, PATTERNS[self.index % PATTERNS.len()]) {

@@ -247,3 +247,27 @@ fn a_series_without_a_label_looks_as_the_one_before_it() {
     let indices: Vec<usize> = looks(&plot(&data)).iter().map(|look| look.index).collect();
     assert_eq!(indices, [0, 1]);
 }
+
+#[test]
+fn marks_stand_at_values_alone_and_thin_curves_have_none() {
+    let (x, y) = ([1.0, 2.0, 3.0], [3.0, 1.0, 2.0]);
+    let long: Vec<f64> = (0..100).map(|k| 1.0 + 0.02 * f64::from(k)).collect();
+    let data = [
+        series("runs", &x, &y, LineStyle::Markers),
+        series("", &x, &y, LineStyle::Thin),
+        series("", &long, &long, LineStyle::Thin),
+        series("", &x[..1], &y[..1], LineStyle::Thin),
+    ];
+    let svg = svg(&plot(&data));
+    assert_eq!(
+        svg.matches("<circle").count(),
+        x.len() + 1,
+        "one is in the legend"
+    );
+    assert!(!svg.contains("<polygon"));
+    assert!(
+        polylines(&svg, 0)
+            .iter()
+            .any(|curve| curve.len() == x.len())
+    );
+}
