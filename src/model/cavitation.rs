@@ -38,20 +38,17 @@ impl<const D: usize> CrackFlow<D> {
         point != DRY && self.voids.get(&point).is_some_and(|void| void.whole)
     }
 
-    /// Leaves a point without fluid whose pressure is that of one without fluid, and `opened` by so much, m^D.
-    pub fn hand_void(&mut self, point: usize, opened: f64) {
+    /// Makes a point that breaks one without fluid, open by so much, m^D: what another counted as its own void is handed over.
+    pub fn leave_empty(&mut self, point: usize, opened: f64) {
         let donor = self.donor[point];
         if let Some(void) = self.voids.get_mut(&donor).filter(|void| void.whole) {
             void.volume -= opened;
-            let volume = opened;
-            self.voids.insert(
-                point as u32,
-                Void {
-                    volume,
-                    whole: true,
-                },
-            );
         }
+        let whole = Void {
+            volume: opened,
+            whole: true,
+        };
+        self.voids.insert(point as u32, whole);
     }
 
     /// Points whose pressure is that at which fluid boils.

@@ -3,7 +3,8 @@
 //! In the step itself the pressure of the wet point that leads there opens what breaks, and what opens is filled by that
 //! point. At the end of the step every broken point gets fluid of its own: what it opened by, at the pressure that
 //! opened it, while its pores are sealed with all that they hold at the pressure that they have. Neither a force nor an
-//! amount of fluid changes by it, so that a step may be as short as it likes.
+//! amount of fluid changes by it, so that a step may be as short as it likes. Where no fluid led and pores do not press
+//! it is empty.
 //!
 //! A crack is a plane, but its fluid has the pressure of a band two horizons wide. Were the pores of the band to fill
 //! with it, rock would take up at once what it takes up in the time that fluid needs through the band: in
@@ -56,7 +57,12 @@ impl<const D: usize> Model<D> {
 
     /// Gives what is broken by a response to a state fluid of its own.
     pub fn fill_broken(&mut self, response: &Response<D>, state: Filling<'_>) {
-        let (Some(cracks), Some(flow)) = (self.cracks(), &self.flow) else {
+        let (Some(fracture), Some(flow), Some(coupling)) =
+            (&self.fracture_flow, &self.flow, &self.coupling)
+        else {
+            return;
+        };
+        let Some(cracks) = &fracture.cracks else {
             return;
         };
         let broken = cracks.broken(&response.damage);
@@ -81,10 +87,19 @@ impl<const D: usize> Model<D> {
             model.held(&fields, Some(response))
         };
         let before = at(self, state.pressure);
-        let opened: Vec<f64> = broken.iter().map(|i| opened(*i)).collect();
+        let dry = |i: &usize| {
+            let biot = coupling.divergence.weight[*i] / self.cloud.volume[*i];
+            let pores = biot * state.pressure[*i] <= fracture.plan.cavitation_pressure;
+            state.in_balance && !is_fixed[*i] && cracks.donor[*i] == DRY && pores
+        };
+        let empty = |i: &usize| dry(i) || cracks.is_empty(cracks.donor[*i]);
+        let empty: Vec<(usize, f64)> = (broken.iter().filter(|i| empty(i)))
+            .map(|i| (*i, opened(*i)))
+            .collect();
         if let Some(cracks) = self.cracks_mut() {
-            let pairs = broken.iter().zip(&opened);
-            pairs.for_each(|(i, opened)| cracks.hand_void(*i, *opened));
+            empty
+                .iter()
+                .for_each(|(i, open)| cracks.leave_empty(*i, *open));
         }
         self.seal(&broken, &is_fixed, (state.pressure, state.in_balance));
         let after = at(self, state.pressure);

@@ -273,14 +273,6 @@ fn keys_of_both_models_have_their_ranges() {
             "`exponent` = 3: there are laws for 1.5 and 2 only",
         ),
         (
-            "damage.friction=-0.1",
-            "`friction` must lie between 0 and 10, found -0.1",
-        ),
-        (
-            "damage.friction=11",
-            "`friction` must lie between 0 and 10, found 11",
-        ),
-        (
             "fluid.cavitation_pressure=0 Pa",
             "`cavitation_pressure` holds in cracks of the split model",
         ),
@@ -294,6 +286,31 @@ fn keys_of_both_models_have_their_ranges() {
     for sound in ["damage.exponent=1.5", "damage.exponent=2"] {
         assert_eq!(faults(PUMPED, &[sound]), [], "{sound}");
     }
+}
+
+#[test]
+fn friction_is_of_faces_that_touch() {
+    let split = DISC.replace("model = \"paper\"\nlength_scale = 0.5\n", "");
+    for (key, message) in [
+        (
+            "damage.friction=-0.1",
+            "`friction` must lie between 0 and 10, found -0.1",
+        ),
+        (
+            "damage.friction=11",
+            "`friction` must lie between 0 and 10, found 11",
+        ),
+    ] {
+        assert_eq!(messages(&split, &[key]), [message], "{key}");
+    }
+    assert_eq!(faults(&split, &["damage.friction=0.3"]), []);
+    assert_eq!(
+        messages(DISC, &["damage.friction=0.3"]),
+        [
+            "`friction` belongs to damage.model = \"split\": faces of the model of the paper do not touch; leave it out, \
+             or set damage.model = \"split\""
+        ]
+    );
 }
 
 #[test]

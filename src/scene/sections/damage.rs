@@ -248,6 +248,18 @@ impl Damage {
             );
             report.add(Diagnostic::new(fault).at(place));
         }
+        FRICTION.check(self.friction, report);
+    }
+}
+
+impl Damage {
+    /// Refuses what the model of the paper does not know.
+    fn check_paper(&self, report: &mut Report) {
+        if self.friction.value() != friction().value() {
+            let fault = "`friction` belongs to damage.model = \"split\": faces of the model of the paper do not touch; leave \
+                         it out, or set damage.model = \"split\"";
+            report.add(Diagnostic::new(fault).at(self.friction.span()));
+        }
     }
 }
 
@@ -255,8 +267,9 @@ impl Section for Damage {
     const NAME: &'static str = "damage";
 
     fn check(&self, place: Span, _: &Context<'_>, report: &mut Report) {
-        if self.model == DamageModel::Split {
-            self.check_split(place, report);
+        match self.model {
+            DamageModel::Split => self.check_split(place, report),
+            DamageModel::Paper => self.check_paper(report),
         }
         match self.length_scale {
             Some(length) => report.positive("length_scale", length),
@@ -275,7 +288,6 @@ impl Section for Damage {
         }
         RESIDUAL_STIFFNESS.check(self.residual_stiffness, report);
         TOLERANCE.check(self.tolerance, report);
-        FRICTION.check(self.friction, report);
         ITERATIONS.check_count(self.iterations, report);
         LARGEST_INCREMENT.check(self.largest_increment, report);
         let shortest = self.shortest_step;
