@@ -255,7 +255,7 @@ impl Damage {
 impl Damage {
     /// Refuses what the model of the paper does not know.
     fn check_paper(&self, report: &mut Report) {
-        if self.friction.value() != friction().value() {
+        if (self.friction.value() - friction().value()).abs() > 0.0 {
             let fault = "`friction` belongs to damage.model = \"split\": faces of the model of the paper do not touch; leave \
                          it out, or set damage.model = \"split\"";
             report.add(Diagnostic::new(fault).at(self.friction.span()));
