@@ -193,6 +193,17 @@ pub enum StepError {
         /// Fluid that is owed over what is in cracks and moves in the step.
         owed: f64,
     },
+    /// A crack is without fluid where the scheme knows no voids.
+    #[error(
+        "a crack is without fluid at {at:.4?} m in the step to t = {time:.6e} s, and this scheme holds no voids; --scheme \
+         monolithic and staggered do; set flow.suction = true where pressures count from another zero"
+    )]
+    HoldsVoid {
+        /// Time, s.
+        time: f64,
+        /// Place, m.
+        at: Vec<f64>,
+    },
     /// Fluid in a crack would boil where the scheme knows no voids.
     #[error(
         "the pressure in a crack falls to {pressure:.3e} Pa in the step to t = {time:.6e} s, below \
@@ -383,6 +394,7 @@ impl StepError {
             StepError::NotBroken { .. }
             | StepError::Owed { .. }
             | StepError::Boils { .. }
+            | StepError::HoldsVoid { .. }
             | StepError::Emptied { .. }
             | StepError::CouplingDiverged { .. }
             | StepError::CouplingUnstable { .. }
@@ -416,6 +428,7 @@ impl StepError {
                 | StepError::Refused(_)
                 | StepError::LoosePlate
                 | StepError::Emptied { .. }
+                | StepError::HoldsVoid { .. }
         )
     }
 }

@@ -178,6 +178,7 @@ impl<const D: usize> Scheme<D> for LaggedFracture<D> {
         report.growth = growth(model, old, trial);
         report.error = Rates::judge(model, response, (old, trial), dt)?;
         fill_broken(&mut now, response, trial, true);
+        check_voids(&now, trial.time)?;
         self.remember(&now, trial);
         Ok(report)
     }
@@ -207,6 +208,17 @@ fn check_boiling<const D: usize>(model: &Model<D>, state: &State) -> Result<(), 
             limit,
         }),
         false => Ok(()),
+    }
+}
+
+/// Refuses points of cracks without fluid, as nothing here fills them.
+fn check_voids<const D: usize>(model: &Model<D>, time: f64) -> Result<(), StepError> {
+    match model.voids().keys().next() {
+        Some(point) => Err(StepError::HoldsVoid {
+            time,
+            at: (model.cloud.position[*point as usize].iter().copied()).collect(),
+        }),
+        None => Ok(()),
     }
 }
 
@@ -250,6 +262,10 @@ injection = { rate = "1e-6 m^2/s", at = ["0.5 m", "0.5 m"] }
         state.pressure[dry[0]] = -1e6;
         state.pressure[wet[0]] = -1e-9;
         check_boiling(&model, &state)?;
+        check_voids(&model, 0.0)?;
+        model.boil(&[false; 100], &mut state.pressure);
+        let refused = check_voids(&model, 0.0).map_err(|error| error.to_string());
+        assert!(refused.is_err_and(|error| error.contains("holds no voids")));
         state.pressure[wet[0]] = -1e6;
         let refused = check_boiling(&model, &state);
         assert!(
