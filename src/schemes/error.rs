@@ -190,7 +190,7 @@ pub enum StepError {
         time: f64,
         /// Place of the point that lacks most, m.
         at: Vec<f64>,
-        /// Fluid that is owed over what is in cracks and moves in the step.
+        /// Fluid that is drawn there over what moves in the step.
         owed: f64,
     },
     /// A crack is without fluid where the scheme knows no voids.

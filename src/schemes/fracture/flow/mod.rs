@@ -211,7 +211,7 @@ impl<const D: usize> FractureFlowStep<D> {
 }
 
 /// Refuses fluid that is drawn out of empty points: a crack gives no more than it has.
-fn check_voids<const D: usize>(model: &Model<D>, state: &State, dt: f64) -> Result<(), StepError> {
+fn check_drawn<const D: usize>(model: &Model<D>, state: &State, dt: f64) -> Result<(), StepError> {
     let Some((drawn, point)) = model.overdrawn(&state.pressure, state.time) else {
         return Ok(());
     };
@@ -301,7 +301,7 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
         let response = response.as_ref();
         report.error = Rates::judge(&now, response, (old, trial), dt)?;
         close(&now, &start, (trial, response), (dt, trial), &mut report)?;
-        check_voids(&now, trial, dt)?;
+        check_drawn(&now, trial, dt)?;
         advance(&now, trial);
         report.growth = growth(&now, old, trial);
         fill_broken(&mut now, response, trial, true);

@@ -195,8 +195,7 @@ impl<const D: usize> FractureFlowStep<D> {
     /// that make both count alike.
     pub(super) fn unknowns(&self, state: &State) -> Vec<f64> {
         let pressure = state.pressure.iter().map(|p| self.unit * p);
-        let moves = self.splits() || self.together;
-        let pressure = pressure.take(if moves { usize::MAX } else { 0 });
+        let pressure = pressure.take(if self.splits() { usize::MAX } else { 0 });
         state.displacement.iter().copied().chain(pressure).collect()
     }
 
