@@ -39,6 +39,29 @@ impl<const D: usize> Crack<D> {
         (0..count).filter_map(middle).collect()
     }
 
+    /// `count` equal parts of the crack, each from its start over the corners in it to its end.
+    pub fn parts(&self, count: usize) -> Vec<Vec<Vector<D>>> {
+        let length = self.length();
+        let starts = self.segments().scan(0.0, |before, [a, b]| {
+            let start = *before;
+            *before += (b - a).norm();
+            Some((start, a))
+        });
+        let corners: Vec<(f64, Vector<D>)> = starts.skip(1).collect();
+        let part = |k: usize| {
+            let [from, to] = [k, k + 1].map(|k| length * k as f64 / count as f64);
+            let inside = |corner: &&(f64, Vector<D>)| from < corner.0 && corner.0 < to;
+            let between = corners.iter().filter(inside).map(|corner| corner.1);
+            let end = |distance| self.place(distance).map(|place| place.at);
+            end(from)
+                .into_iter()
+                .chain(between)
+                .chain(end(to))
+                .collect()
+        };
+        (0..count).map(part).collect()
+    }
+
     /// Distance to a place beside the crack, m; `None` beyond its tips.
     pub fn gap(&self, x: &Vector<D>) -> Option<f64> {
         let beside = |[a, b]: [Vector<D>; 2]| {
@@ -112,6 +135,14 @@ impl<const D: usize> Cutter<D> {
         Cutter { segments }
     }
 
+    /// Prepares the cracks themselves, for what lies within the domain.
+    pub fn without_images(cracks: &[Crack<D>]) -> Self {
+        let own = |(number, crack)| Crack::segments(crack).map(move |segment| (number, segment));
+        Cutter {
+            segments: (0_u16..).zip(cracks).flat_map(own).collect(),
+        }
+    }
+
     /// The first crack that the straight line from `a` to `b` meets, ends and tips included. Exact.
     pub fn first(&self, a: &Vector<D>, b: &Vector<D>) -> Option<u16> {
         let meeting = |(_, segment): &&(u16, [Vector<D>; 2])| meet(&[*a, *b], segment);
@@ -180,6 +211,25 @@ mod tests {
         assert!(!meets([0.15, 0.4], [0.15, 0.6]), "past the tip");
         assert!(!meets([0.3, 0.45], [0.5, 0.499_999_999]), "beside it");
         assert!(meets([-0.3, 0.45], [-0.3, 0.55]), "its mirror image");
+    }
+
+    #[test]
+    fn parts_follow_the_chain_around_its_corners() {
+        let points = vec![Place::zeros(), Place::new(1.0, 0.0), Place::new(1.0, 0.5)];
+        let parts = Crack { points }.parts(2);
+        let place = |x: f64, y: f64| Place::new(x, y);
+        let near = |found: &[Place], exact: &[Place]| {
+            assert_eq!(found.len(), exact.len());
+            assert!(
+                found.iter().zip(exact).all(|(a, b)| (a - b).norm() < 1e-15),
+                "{found:?}"
+            );
+        };
+        near(&parts[0], &[place(0.0, 0.0), place(0.75, 0.0)]);
+        near(
+            &parts[1],
+            &[place(0.75, 0.0), place(1.0, 0.0), place(1.0, 0.5)],
+        );
     }
 
     #[test]

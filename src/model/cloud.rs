@@ -124,6 +124,13 @@ pub fn cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
     plan.cracks.iter().map(chain).collect()
 }
 
+/// Those of the plan's cracks that cut bonds, as chains.
+pub fn cut_cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
+    let own = plan.cracks.iter().zip(cracks(plan));
+    let cut = own.filter(|(own, _)| own.kind == CrackKind::Cut);
+    cut.map(|(_, crack)| crack).collect()
+}
+
 /// Cuts the bonds across the plan's cracks.
 fn cut<const D: usize>(
     plan: &Plan,

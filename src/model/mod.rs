@@ -41,7 +41,7 @@ use perifrac_solvers::Communicator;
 
 pub use bands::Bands;
 pub use cavitation::Voids;
-pub use cloud::{build_cloud, build_families};
+pub use cloud::{build_cloud, build_families, cut_cracks};
 pub use coefficients::Coefficients;
 pub use coupling::{Audit, Coupling};
 pub use crack_flow::{CrackFlow, DRY, Spreading};
@@ -53,7 +53,7 @@ pub use flow::{FlowModel, exchange};
 pub use fracture_flow::FractureFlow;
 pub use laminate::LAYERED;
 pub use operator_choice::{ChosenOperator, Form};
-pub use places::{Faces, Places};
+pub use places::{Faces, Places, crack_parts};
 #[cfg(feature = "study")]
 pub(crate) use properties::material_at;
 pub use response::Fields;

@@ -1,7 +1,7 @@
 //! Where the plan wants values that are not at points.
 
 use super::ModelError;
-use super::cloud::cracks;
+use super::cloud::{cracks, cut_cracks};
 use crate::effects::vector;
 use crate::geometry::{
     Cloud, Crack, Cutter, ImageTable, Locator, OnCrack, Place, Side, Stencil, Stencils, Vector,
@@ -113,9 +113,7 @@ impl<const D: usize> Places<D> {
 
 /// The cracks of a plan that cut bonds; `None` without any.
 fn cutter<const D: usize>(plan: &Plan, images: &ImageTable<D>) -> Option<Cutter<D>> {
-    let own = plan.cracks.iter().zip(cracks(plan));
-    let cut = own.filter(|(own, _)| own.kind == CrackKind::Cut);
-    let cut: Vec<Crack<D>> = cut.map(|(_, crack)| crack).collect();
+    let cut = cut_cracks(plan);
     (!cut.is_empty()).then(|| Cutter::new(&cut, images))
 }
 
@@ -159,6 +157,24 @@ fn faces<const D: usize>(
         })
     };
     along.into_iter().map(face).collect()
+}
+
+/// The parts of a crack whose middles are its places, each as a chain of straight lines, m.
+pub fn crack_parts<const D: usize>(
+    plan: &Plan,
+    model: &super::Model<D>,
+    number: usize,
+) -> Vec<Vec<Vector<D>>> {
+    let places = &model.places.cracks[number];
+    if let Some(crack) = cracks(plan).get(number)
+        && !crack.points.is_empty()
+    {
+        return crack.parts(places.len());
+    }
+    // The places on a radius begin half a part from the centre.
+    let half = places.first().map_or(0.0, |first| first.on.distance);
+    let ends = |faces: &Faces<D>| [-half, half].map(|arm| faces.on.at + faces.on.tangent * arm);
+    places.iter().map(|faces| ends(faces).to_vec()).collect()
 }
 
 /// Whether all of some points, and a plane with a normal if there is one, lie on a side on which the displacement

@@ -1,4 +1,4 @@
-//! Files a run leaves behind: fields (VTU, PVD), histories (CSV), summaries (JSON) and plots
+//! Files a run leaves behind: fields (VTU, PVD), cracks (VTP), histories (CSV), summaries (JSON) and plots
 //! (PNG, SVG).
 //!
 //! Every writer takes plain slices and knows nothing of the model. Whole files are written
@@ -18,6 +18,8 @@ pub mod plots;
 mod pvd;
 mod pvtu;
 mod summary;
+mod vtk;
+mod vtp;
 mod vtu;
 
 pub use atomic::write_atomically;
@@ -35,4 +37,6 @@ pub use plots::{
 pub use pvd::Pvd;
 pub use pvtu::write_pvtu;
 pub use summary::write_json;
-pub use vtu::{Field, VtuData, write_vtu};
+pub use vtk::{Cells, Field};
+pub use vtp::{VtpData, write_vtp};
+pub use vtu::{VtuData, write_vtu};

@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::vtu::{Field, attributes_of, escape};
+use super::vtk::{Field, attributes_of, escape, write_unit};
+use super::vtu::GHOSTS;
 use super::{OutputError, write_atomically};
 
 /// Writes the index of `pieces`, files beside it that hold the same fields at different points.
@@ -29,9 +30,14 @@ fn write_index(writer: &mut dyn Write, fields: &[Field<'_>], pieces: &[String]) 
     )?;
     for field in fields {
         let attributes = attributes_of(field);
-        writeln!(writer, "<PDataArray type=\"Float64\" {attributes}/>")?;
+        writeln!(writer, "<PDataArray type=\"Float64\" {attributes}>")?;
+        write_unit(writer, field.unit)?;
+        writeln!(writer, "</PDataArray>")?;
     }
-    writeln!(writer, "</PPointData>")?;
+    writeln!(
+        writer,
+        "<PDataArray type=\"UInt8\" {GHOSTS}/>\n</PPointData>"
+    )?;
     for piece in pieces {
         writeln!(writer, "<Piece Source=\"{}\"/>", escape(piece))?;
     }
@@ -68,8 +74,9 @@ mod tests {
         assert_eq!(named("Piece", "Source"), pieces);
         assert_eq!(
             named("PDataArray", "Name"),
-            ["Points", "pressure", "stress"]
+            ["Points", "pressure", "stress", "vtkGhostType"]
         );
         assert_eq!(named("PDataArray", "NumberOfComponents"), ["3", "6"]);
+        assert_eq!(named("InformationKey", "name"), ["UNITS_LABEL"; 2]);
     }
 }

@@ -1,6 +1,9 @@
 #![allow(clippy::float_cmp)]
 
+use super::super::vtk::BLOCK_BYTES;
 use super::*;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 
@@ -84,9 +87,9 @@ fn plane_vectors_are_padded_and_tensors_keep_their_order() {
     let positions = [0.25, 0.5, 0.75, 0.1];
     let text = written(&VtuData {
         positions: &positions,
-        dimension: 2,
         time: 12.5,
         fields: &fields,
+        ..EMPTY
     });
     let document = roxmltree::Document::parse(&text).unwrap();
     assert_eq!(floats(&content(&document, "TimeValue")), [12.5]);
@@ -102,19 +105,28 @@ fn plane_vectors_are_padded_and_tensors_keep_their_order() {
     let attribute = |name, attribute| array(&document, name).attribute(attribute);
     assert_eq!(attribute("stress", "ComponentName3"), Some("XY"));
     assert_eq!(attribute("pressure", "NumberOfComponents"), None);
-    assert_eq!(array(&document, "pressure").attribute("Unit"), Some("Pa"));
+    let pressure = array(&document, "pressure");
+    let key = pressure
+        .children()
+        .find(|node| node.has_tag_name("InformationKey"));
+    assert_eq!(key.unwrap().attribute("name"), Some("UNITS_LABEL"));
+    assert_eq!(key.unwrap().text(), Some("Pa"));
     let pressure = floats(&content(&document, "pressure"));
     assert!(pressure[0] == 1e6 && pressure[1].is_nan());
 }
 
 #[test]
-fn one_vertex_cell_per_point() {
-    let positions = [0.0; 9];
+fn cells_have_corners_ends_and_kinds_and_points_of_other_pieces_are_told() {
     let text = written(&VtuData {
-        positions: &positions,
+        positions: &[0.0; 15],
         dimension: 3,
-        time: 0.0,
-        fields: &[],
+        cells: Cells {
+            corners: &[0, 1, 2, 3, 4],
+            ends: &[4, 5],
+        },
+        kinds: &[9, 1],
+        ghosts: Some(2),
+        ..EMPTY
     });
     let document = roxmltree::Document::parse(&text).unwrap();
     let integers = |name| -> Vec<u64> {
@@ -124,9 +136,36 @@ fn one_vertex_cell_per_point() {
             .map(|b| u64::from_le_bytes(b.try_into().unwrap()))
             .collect()
     };
-    assert_eq!(integers("connectivity"), [0, 1, 2]);
-    assert_eq!(integers("offsets"), [1, 2, 3]);
-    assert_eq!(content(&document, "types"), [1, 1, 1]);
+    assert_eq!(integers("connectivity"), [0, 1, 2, 3, 4]);
+    assert_eq!(integers("offsets"), [4, 5]);
+    assert_eq!(content(&document, "types"), [9, 1]);
+    assert_eq!(content(&document, "vtkGhostType"), [0, 0, 0, 1, 1]);
+}
+
+#[test]
+fn cells_that_do_not_fit_the_points_are_refused() {
+    let cells = |corners, ends| Cells { corners, ends };
+    for cells in [
+        cells(&[0, 1, 2], &[3]),
+        cells(&[0, 1], &[1]),
+        cells(&[0, 1, 0], &[2, 1, 3]),
+    ] {
+        let kinds = vec![3; cells.ends.len()];
+        let data = VtuData {
+            cells,
+            kinds: &kinds,
+            ..PAIR
+        };
+        assert!(
+            matches!(refused(&data), OutputError::Shape { .. }),
+            "{cells:?}"
+        );
+    }
+    let data = VtuData {
+        cells: cells(&[0, 1], &[2]),
+        ..PAIR
+    };
+    assert!(matches!(refused(&data), OutputError::Shape { .. }));
 }
 
 #[test]
@@ -143,9 +182,8 @@ fn fields_larger_than_a_block_and_exact_multiples_survive() {
         }];
         let data = VtuData {
             positions: &positions,
-            dimension: 2,
-            time: 0.0,
             fields: &fields,
+            ..EMPTY
         };
         let text = written(&data);
         let document = roxmltree::Document::parse(&text).unwrap();
@@ -158,12 +196,7 @@ fn fields_larger_than_a_block_and_exact_multiples_survive() {
 
 #[test]
 fn no_points_still_gives_a_readable_file() {
-    let text = written(&VtuData {
-        positions: &[],
-        dimension: 2,
-        time: 0.0,
-        fields: &[],
-    });
+    let text = written(&EMPTY);
     let document = roxmltree::Document::parse(&text).unwrap();
     assert!(content(&document, "Points").is_empty());
 }
@@ -179,18 +212,29 @@ fn names_with_markup_are_escaped() {
     let text = written(&VtuData {
         positions: &[0.0; 3],
         dimension: 3,
-        time: 0.0,
         fields: &fields,
+        ..EMPTY
     });
     let document = roxmltree::Document::parse(&text).unwrap();
     assert_eq!(floats(&content(&document, "a<b & \"c\"")), [1.0]);
 }
 
-const PAIR: VtuData<'static> = VtuData {
-    positions: &[0.0; 4],
+const EMPTY: VtuData<'static> = VtuData {
+    positions: &[],
     dimension: 2,
     time: 0.0,
+    cells: Cells {
+        corners: &[],
+        ends: &[],
+    },
+    kinds: &[],
     fields: &[],
+    ghosts: None,
+};
+
+const PAIR: VtuData<'static> = VtuData {
+    positions: &[0.0; 4],
+    ..EMPTY
 };
 
 fn refused(data: &VtuData<'_>) -> OutputError {

@@ -99,26 +99,30 @@ fn assert_same_table(place: &Place, count: usize, name: &str) {
 }
 
 /// Points of all pieces of an output, which its index names.
-fn points_in_pieces(place: &Place, index: &str) -> usize {
+/// Points that pieces own, and their cells.
+fn in_pieces(place: &Place, index: &str) -> [usize; 2] {
     let text = String::from_utf8(place.read(index)).unwrap();
     let document = roxmltree::Document::parse(&text).unwrap();
     let folder = index.split('/').next().unwrap();
     let pieces = document
         .descendants()
         .filter(|node| node.has_tag_name("Piece"));
-    let points = pieces.map(|piece| {
+    let counts = pieces.map(|piece| {
         let name = format!("{folder}/{}", piece.attribute("Source").unwrap());
-        let text = String::from_utf8(place.read(&name)).unwrap();
-        let document = roxmltree::Document::parse(&text).unwrap();
-        let mut nodes = document.descendants();
-        let piece = nodes.find(|node| node.has_tag_name("Piece")).unwrap();
-        piece
-            .attribute("NumberOfPoints")
-            .unwrap()
-            .parse::<usize>()
-            .unwrap()
+        let ghosts = perifrac::plan::read_array(&place.path(&name), "vtkGhostType").unwrap();
+        let own = ghosts.iter().filter(|ghost| **ghost < 0.5).count();
+        [own, cells(place, &name)]
     });
-    points.sum()
+    counts.fold([0, 0], |sum, own| [sum[0] + own[0], sum[1] + own[1]])
+}
+
+/// Cells of a file.
+fn cells(place: &Place, name: &str) -> usize {
+    let text = String::from_utf8(place.read(name)).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let mut nodes = document.descendants();
+    let piece = nodes.find(|node| node.has_tag_name("Piece")).unwrap();
+    piece.attribute("NumberOfCells").unwrap().parse().unwrap()
 }
 
 fn assert_same_for_all_counts(arguments: &[&str], profile: &str) {
@@ -137,8 +141,9 @@ fn assert_same_for_all_counts(arguments: &[&str], profile: &str) {
         assert_eq!(several["processes"], count);
         assert_same_table(&place, count, profile);
         if count > 1 {
-            let points = points_in_pieces(&place, &format!("out{count}/fields-0001.pvtu"));
+            let [points, shared] = in_pieces(&place, &format!("out{count}/fields-0001.pvtu"));
             assert_eq!(points as u64, one["points"].as_u64().unwrap());
+            assert_eq!(shared, cells(&place, "out0/fields-0001.vtu"));
             let collection = String::from_utf8(place.read(&format!("out{count}/fields.pvd")));
             assert!(collection.unwrap().contains("file=\"fields-0001.pvtu\""));
         }
@@ -316,7 +321,7 @@ fn a_process_that_dies_ends_the_run_and_leaves_whole_files() {
     let outputs: Vec<&str> = sets.collect();
     assert!(outputs.len() >= 2, "{collection}");
     for output in outputs {
-        assert_eq!(points_in_pieces(&place, &format!("out/{output}")), 64);
+        assert_eq!(in_pieces(&place, &format!("out/{output}")), [64, 49]);
     }
 }
 
@@ -366,7 +371,7 @@ fn two_processes_go_on_to_the_same_bits() {
     let results = |folder: &str| -> Vec<String> {
         let all = place.list(folder).into_iter();
         let kept = |name: &String| {
-            ["csv", "vtu", "pvtu", "pvd", "svg", "png", "kept"]
+            ["csv", "vtu", "vtp", "pvtu", "pvd", "svg", "png", "kept"]
                 .iter()
                 .any(|ending| name.ends_with(ending))
         };

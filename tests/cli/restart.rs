@@ -59,7 +59,7 @@ fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
             let path = entry.unwrap().path();
             let ending = path.extension()?.to_str()?.to_owned();
             let name = path.file_name()?.to_string_lossy().into_owned();
-            let kept = ["csv", "vtu", "pvd", "svg", "png"].contains(&&*ending);
+            let kept = ["csv", "vtu", "vtp", "pvd", "svg", "png"].contains(&&*ending);
             kept.then(|| (name, std::fs::read(&path).unwrap()))
         })
         .collect();

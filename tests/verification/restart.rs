@@ -209,7 +209,7 @@ fn results(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap();
     let ending = |path: &PathBuf| {
         let ending = path.extension().and_then(|ending| ending.to_str());
-        ending.is_some_and(|ending| ["csv", "vtu", "pvd", "svg", "png"].contains(&ending))
+        ending.is_some_and(|ending| ["csv", "vtu", "vtp", "pvd", "svg", "png"].contains(&ending))
     };
     let paths = entries.map(|entry| entry.unwrap().path());
     let mut found: Vec<PathBuf> = paths.filter(ending).collect();

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use super::grid::Grid;
 use crate::geometry::Matrix;
 use crate::material::DamageModel;
 use crate::model::{FlowModel, Model, SolidModel};
@@ -33,31 +34,52 @@ impl Array<'_> {
     }
 }
 
-/// Writes all fields of a state to `path`; of several processes each writes its own points.
-///
-/// # Errors
-/// Those of [`write_vtu`].
-pub(super) fn write<const D: usize>(
-    path: &Path,
-    model: &Model<D>,
-    state: &State,
-) -> Result<(), OutputError> {
-    let mut arrays = arrays(model, state);
-    let mut positions = model.cloud.flat_positions();
-    if let Some(partition) = model.subdomain().partition() {
-        positions = of_points(&positions, D, partition.own());
-        for array in &mut arrays {
-            array.values = of_points(&array.values, array.components, partition.own()).into();
+/// Fields of a state at the points of a file.
+pub(super) struct Snapshot<'a> {
+    arrays: Vec<Array<'a>>,
+    positions: Vec<f64>,
+    dimension: usize,
+    time: f64,
+}
+
+impl<'a> Snapshot<'a> {
+    /// Takes the fields at the points of `grid`. Of several processes all must call this together.
+    pub(super) fn take<const D: usize>(model: &'a Model<D>, state: &'a State, grid: &Grid) -> Self {
+        let mut arrays = arrays(model, state);
+        let mut positions = model.cloud.flat_positions();
+        if grid.ghosts.is_some() {
+            positions = of_points(&positions, D, &grid.points);
+            for array in &mut arrays {
+                let mut values = std::mem::take(&mut array.values).into_owned();
+                model.subdomain().complete(&mut values, array.components);
+                array.values = of_points(&values, array.components, &grid.points).into();
+            }
+        }
+        Snapshot {
+            arrays,
+            positions,
+            dimension: D,
+            time: state.time,
         }
     }
-    let fields: Vec<Field<'_>> = arrays.iter().map(Array::field).collect();
-    let data = VtuData {
-        positions: &positions,
-        dimension: D,
-        time: state.time,
-        fields: &fields,
-    };
-    write_vtu(path, &data)
+
+    /// Writes the points of `grid`, the cells between them and the fields to `path`.
+    ///
+    /// # Errors
+    /// Those of [`write_vtu`].
+    pub(super) fn write(&self, path: &Path, grid: &Grid) -> Result<(), OutputError> {
+        let fields: Vec<Field<'_>> = self.arrays.iter().map(Array::field).collect();
+        let data = VtuData {
+            positions: &self.positions,
+            dimension: self.dimension,
+            time: self.time,
+            cells: grid.cells(),
+            kinds: &grid.kinds,
+            fields: &fields,
+            ghosts: grid.ghosts,
+        };
+        write_vtu(path, &data)
+    }
 }
 
 /// Writes the index of the pieces that all processes wrote.
@@ -101,7 +123,7 @@ fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Arra
     if let Some(fractures) = &model.fracture_flow {
         arrays.push(array("aperture", "m", 1, &fractures.aperture[..]));
         if model.has_crack_content() {
-            arrays.push(array("crack_void", "m^D", 1, voids(model)));
+            arrays.push(array("crack_void", volume_unit(D), 1, voids(model)));
         }
     }
     if let Some(solid) = &model.solid {
@@ -109,7 +131,8 @@ fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Arra
         arrays.extend(of_solid(solid, state, &fluid));
     }
     let material: Vec<f64> = model.material.iter().map(|&m| f64::from(m)).collect();
-    arrays.push(array("volume", "m^D", 1, &model.cloud.volume[..]));
+    let volume = &model.cloud.volume[..];
+    arrays.push(array("volume", volume_unit(D), 1, volume));
     arrays.push(array("material_id", "", 1, material));
     arrays
 }
@@ -121,6 +144,14 @@ fn voids<const D: usize>(model: &Model<D>) -> Vec<f64> {
         dense[point as usize] = void.volume;
     }
     dense
+}
+
+/// Unit of a volume: in the plane that of an area.
+fn volume_unit(dimension: usize) -> &'static str {
+    match dimension {
+        2 => "m^2",
+        _ => "m^3",
+    }
 }
 
 fn array<'a>(

@@ -1,9 +1,11 @@
 //! Files of a run: fields, history, profiles, pictures, summary.
 
+mod crack_lines;
 mod cracks;
 mod fields;
 mod folder;
 mod fracture;
+mod grid;
 mod histories;
 mod pictures;
 mod profiles;
@@ -20,10 +22,13 @@ use crate::output::{DRAWS, History, OutputError, Pvd, Table, write_json};
 use crate::plan::{Plan, TimeMode};
 use crate::report::Balance;
 use crate::schemes::{State, StepReport};
+use crack_lines::CrackLines;
 use cracks::Cracks;
+use fields::Snapshot;
 pub(super) use fields::values as field_values;
 use folder::Hold;
 use fracture::Animation;
+use grid::Grid;
 use profiles::Profiles;
 pub(super) use restart::WriterRecord;
 pub use staged::StagedFolder;
@@ -33,12 +38,16 @@ pub struct Writer {
     folder: PathBuf,
     hold: Hold,
     resolved: String,
+    /// Points and cells of the files of fields, from the first one on.
+    grid: Option<Grid>,
     pvd: Option<Pvd>,
     history: Option<History>,
     /// What history.csv holds.
     rows: Table,
     profiles: Option<Profiles>,
     cracks: Option<Cracks>,
+    /// Lines of the cracks, from the first output on.
+    crack_lines: Option<CrackLines>,
     film: Animation,
     outputs: usize,
     /// Accepted states so far, the first one included, and of how many one has a row.
@@ -75,11 +84,13 @@ impl Writer {
             folder: folder.to_owned(),
             hold: Hold::follow(folder),
             resolved: resolved.to_owned(),
+            grid: None,
             pvd: None,
             history: None,
             rows: Table::default(),
             profiles: None,
             cracks: None,
+            crack_lines: None,
             film: Animation::default(),
             outputs: 0,
             seen: 0,
@@ -172,7 +183,7 @@ impl Writer {
         })
     }
 
-    /// Writes the points of this process as VTU.
+    /// Writes the points of this process as VTU. All processes must call this together.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -187,10 +198,13 @@ impl Writer {
         if !plan.output.vtu {
             return Ok(());
         }
+        let grid = self.grid.get_or_insert_with(|| Grid::of(plan, model));
+        // Values are exchanged before anything can fail in one process alone.
+        let snapshot = Snapshot::take(model, state, grid);
         self.hold.list()?;
         let rank = model.subdomain().partition().map(|own| own.team().rank());
         let path = self.folder.join(piece_name(number, rank));
-        fields::write(&path, model, state)
+        snapshot.write(&path, grid)
     }
 
     /// Completes an output of which all pieces are there: indices, pictures and profiles.
@@ -208,24 +222,7 @@ impl Writer {
         }
         let number = self.outputs - 1;
         if plan.output.vtu {
-            let path = match model.subdomain().partition() {
-                None => self.folder.join(piece_name(number, None)),
-                Some(partition) => {
-                    let ranks = 0..partition.team().size();
-                    let pieces: Vec<String> =
-                        ranks.map(|rank| piece_name(number, Some(rank))).collect();
-                    let path = self.folder.join(format!("fields-{number:04}.pvtu"));
-                    fields::write_index(&path, model, state, &pieces)?;
-                    path
-                }
-            };
-            let pvd = match &mut self.pvd {
-                Some(pvd) => pvd,
-                None => self
-                    .pvd
-                    .insert(Pvd::create(self.folder.join("fields.pvd"))?),
-            };
-            pvd.add(state.time, path)?;
+            self.collect(number, plan, model, state)?;
         }
         if plan.output.plots {
             pictures::of_output(&self.folder, number, plan, model, state)?;
@@ -238,6 +235,35 @@ impl Writer {
             Some(profiles) => profiles.record(plan, model, state),
             None => Ok(()),
         }
+    }
+
+    /// Enters the fields of an output into their collection, and writes the lines of cracks beside them.
+    fn collect<const D: usize>(
+        &mut self,
+        number: usize,
+        plan: &Plan,
+        model: &Model<D>,
+        state: &State,
+    ) -> Result<(), OutputError> {
+        let path = match model.subdomain().partition() {
+            None => self.folder.join(piece_name(number, None)),
+            Some(partition) => {
+                let ranks = 0..partition.team().size();
+                let pieces: Vec<String> =
+                    ranks.map(|rank| piece_name(number, Some(rank))).collect();
+                let path = self.folder.join(format!("fields-{number:04}.pvtu"));
+                fields::write_index(&path, model, state, &pieces)?;
+                path
+            }
+        };
+        let pvd = match &mut self.pvd {
+            Some(pvd) => pvd,
+            none => none.insert(Pvd::create(self.folder.join("fields.pvd"))?),
+        };
+        pvd.add(state.time, path)?;
+        let lines = &mut self.crack_lines;
+        let lines = lines.get_or_insert_with(|| CrackLines::new(plan, model));
+        lines.record((&self.folder, number), plan, model, state)
     }
 
     /// Draws what needs the whole run: permeability, histories and profiles.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fracture::Animation;
 use super::pictures::shown_points;
-use super::{Cracks, Hold, Profiles, Writer, piece_name};
+use super::{CrackLines, Cracks, Hold, Profiles, Writer, piece_name};
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd};
 use crate::plan::{Plan, read_array};
@@ -79,6 +79,9 @@ impl Writer {
         self.resume_history::<D>(plan, record, time)?;
         if plan.output.vtu && record.outputs > 0 {
             self.pvd = Some(Pvd::resume(self.folder.join("fields.pvd"), until)?);
+            let mut lines = CrackLines::new(plan, model);
+            lines.resume(&self.folder, until)?;
+            self.crack_lines = Some(lines);
         }
         let mut profiles = Profiles::new(&self.folder, plan);
         profiles.resume(plan, record.profiles, until)?;

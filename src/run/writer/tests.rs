@@ -211,3 +211,35 @@ fn history_has_every_step_until_there_are_too_many_and_then_an_even_share() {
         .filter(|text| text.contains("one in 8 of the 100 steps"));
     assert_eq!(told.count(), 1, "{:?}", summary.warnings);
 }
+
+/// The slit runs through three of 5 × 5 cells, in the last of which it ends.
+#[test]
+fn a_cut_crack_has_no_cells_across_it_and_is_a_line_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    write(
+        folder.path(),
+        &[
+            "cracks.slit={points=[[0, 0.5], [0.5, 0.5]], kind=\"cut\", pressure=1e6}",
+            "output.plots=false",
+        ],
+    );
+    let text = fs::read_to_string(folder.path().join("fields-0001.vtu")).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let of = |tag: &str, name: &str| {
+        let mut nodes = document.descendants();
+        let node = nodes.find(|node| node.has_tag_name(tag));
+        node.and_then(|node| node.attribute(name).map(str::to_owned))
+    };
+    assert_eq!(of("Piece", "NumberOfPoints").as_deref(), Some("36"));
+    assert_eq!(of("Piece", "NumberOfCells").as_deref(), Some("22"));
+    let text = fs::read_to_string(folder.path().join("cracks-0001.vtp")).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let names = document
+        .descendants()
+        .filter_map(|node| node.attribute("Name"));
+    let names: Vec<&str> = names.collect();
+    let expected = ["crack", "distance", "opening", "sliding", "pressure"];
+    assert_eq!(names[names.len() - 5..], expected);
+    let collection = fs::read_to_string(folder.path().join("cracks.pvd")).unwrap();
+    assert!(collection.contains("cracks-0000.vtp") && collection.contains("cracks-0001.vtp"));
+}

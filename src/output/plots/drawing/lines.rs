@@ -224,7 +224,7 @@ pub(super) fn render(
     paint(&mut canvas)?;
     canvas.finish()?;
     let (_, content) = body.split_once('\n').ok_or("the drawing is empty")?;
-    let title = crate::output::vtu::escape(title);
+    let title = crate::output::vtk::escape(title);
     Ok(format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
          stroke-linejoin=\"round\" xmlns=\"http://www.w3.org/2000/svg\">\n\
