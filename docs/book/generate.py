@@ -67,6 +67,7 @@ OWN = {
     "inclined-crack": "inclined-crack.toml",
     "injection": "injection.toml",
     "own-points": "own-points.toml",
+    "own-mesh": "own-mesh.toml",
     "own-array": "own-array.toml",
 }
 

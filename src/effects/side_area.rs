@@ -9,7 +9,7 @@ const TRUSTED: f64 = 0.05;
 /// The area of `side` that loads act on, m^(D−1), where the operator presents `found`.
 ///
 /// Where the cells fill the domain it is that of the side, where they leave voids that of the cells on the
-/// side. What the operator found is no more than a check: near a void it also holds the void's surface.
+/// side, which a mesh knows. What the operator found is no more than a check: near a void it also holds the void's surface.
 ///
 /// # Errors
 /// [`EffectError::SideArea`] if the load would act on another area than the cells touch.
@@ -18,7 +18,9 @@ pub(super) fn acting_area<const D: usize>(
     side: Side,
     found: f64,
 ) -> Result<f64, EffectError> {
-    let whole = cloud.domain.area(side);
+    let told = cloud.outline.as_ref();
+    let told = told.and_then(|own| own.side_area.get(side.index()).copied());
+    let whole = told.unwrap_or_else(|| cloud.domain.area(side));
     let refuse = |touched: f64| EffectError::SideArea {
         side: side.name(),
         found,
@@ -26,12 +28,12 @@ pub(super) fn acting_area<const D: usize>(
     };
     if Voids::find(cloud).is_empty() {
         // What is left of a correction is scaled away.
-        return match found > 0.5 * whole {
+        return match found > 0.5 * whole && whole > 0.0 {
             true => Ok(whole),
             false => Err(refuse(whole)),
         };
     }
-    let touched = touched_area(cloud, side);
+    let touched = told.unwrap_or_else(|| touched_area(cloud, side));
     match (found - touched).abs() <= TRUSTED * touched {
         true => Ok(touched),
         false => Err(refuse(touched)),

@@ -117,7 +117,7 @@ pub fn loaded_side<const D: usize>(
     let cloud = &elastic.around.cloud;
     let found = area.iter().sum();
     let acting = acting_area(cloud, side, found)?;
-    if !cloud.filled {
+    if !cloud.filled || cloud.outline.is_some() {
         area.iter_mut().for_each(|area| *area *= acting / found);
     }
     Ok(area)

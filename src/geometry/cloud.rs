@@ -56,6 +56,17 @@ pub struct Cloud<const D: usize> {
     /// Whether the cells are known to fill the domain, as those of generated clouds do; points that
     /// were read may leave voids.
     pub filled: bool,
+    /// What a mesh tells of the border of its cells.
+    pub outline: Option<Outline<D>>,
+}
+
+/// The border of the cells of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline<const D: usize> {
+    /// Area of the cells on each side, m^(D−1), shape `(2D,)` in the order of [`Side::index`].
+    pub side_area: Vec<f64>,
+    /// Balls that touch the free surfaces from outside, one for each face: centre and radius, m.
+    pub surface: Vec<(Vector<D>, f64)>,
 }
 
 impl<const D: usize> Cloud<D> {

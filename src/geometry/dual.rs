@@ -17,6 +17,8 @@ pub enum CellKind {
     Line = 3,
     /// Three points.
     Triangle = 5,
+    /// Five points or more in a ring.
+    Polygon = 7,
     /// Four points in a ring.
     Quadrilateral = 9,
     /// Four points below, four above them; some may be the same.
@@ -32,6 +34,8 @@ pub struct DualCells {
     pub ends: Vec<u64>,
     /// Kinds of the cells.
     pub kinds: Vec<CellKind>,
+    /// Further cells, polyhedra by the corners of their faces.
+    pub solids: Vec<Vec<Vec<u32>>>,
 }
 
 /// Corners of a cell in the order of VTK; bit `k` of a number tells low or high along the cell's axis `k`.
@@ -122,6 +126,7 @@ impl DualCells {
                 .flat_map(|(k, a)| corners[..k].iter().map(move |b| (a, b)));
             pairs.any(|(a, b)| cutter.first(place(a), place(b)).is_some())
         };
+        // Cracks that cut lie in a plane, where there are no polyhedra.
         let mut left = DualCells::default();
         for (kind, corners) in self.iter().filter(|(_, corners)| !is_cut(corners)) {
             left.push(kind, corners.iter().copied());

@@ -24,7 +24,7 @@ mod voids;
 pub use border::border;
 pub(crate) use cell_list::CellList;
 pub(crate) use cloud::edge;
-pub use cloud::{Cloud, Domain};
+pub use cloud::{Cloud, Domain, Outline};
 pub use crack::{Crack, Cutter, OnCrack};
 pub use dual::{CellKind, DualCells};
 pub use families::{Families, Severed};

@@ -1,5 +1,8 @@
 //! Regions of space by which scenes name groups of points.
 
+use std::cmp::Ordering;
+use std::sync::Arc;
+
 /// A region; the boundary belongs to it. Coordinates in metres, as many as the dimension.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
@@ -22,6 +25,13 @@ pub enum Shape {
         /// Corners in order.
         vertices: Vec<[f64; 2]>,
     },
+    /// Points of a named set, by their exact places.
+    Set {
+        /// Name of the set.
+        name: String,
+        /// Their places, ascending.
+        places: Arc<[Vec<f64>]>,
+    },
     /// All points with (x − point)·normal ≤ 0.
     HalfPlane {
         /// A point of the boundary.
@@ -32,6 +42,15 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// A set by the places of its points.
+    pub fn set(name: &str, mut places: Vec<Vec<f64>>) -> Self {
+        places.sort_unstable_by(|a, b| compared(a, b));
+        Shape::Set {
+            name: name.to_owned(),
+            places: places.into(),
+        }
+    }
+
     /// Whether the region contains `x`.
     pub fn contains(&self, x: &[f64]) -> bool {
         match self {
@@ -45,6 +64,10 @@ impl Shape {
                 squared <= radius * radius
             }
             Shape::Polygon { vertices } => polygon_contains(vertices, x[0], x[1]),
+            Shape::Set { places, .. } => {
+                let order = |place: &Vec<f64>| compared(place, x);
+                places.binary_search_by(order).is_ok()
+            }
             Shape::HalfPlane { point, normal } => {
                 let along: f64 = x
                     .iter()
@@ -56,6 +79,12 @@ impl Shape {
             }
         }
     }
+}
+
+/// Order of places by their coordinates.
+fn compared(a: &[f64], b: &[f64]) -> Ordering {
+    let mut axes = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
+    axes.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 /// Even-odd rule, with points on an edge inside.
@@ -93,6 +122,16 @@ mod tests {
         assert!(shape.contains(&[0.5, 1.5]) && shape.contains(&[1.5, 0.5]));
         assert!(shape.contains(&[0.0, 1.0]) && shape.contains(&[1.0, 1.5, 7.0]));
         assert!(!shape.contains(&[1.5, 1.5]) && !shape.contains(&[-0.1, 0.5]));
+    }
+
+    #[test]
+    fn a_set_holds_its_points_and_nothing_beside_them() {
+        let places = vec![vec![0.5, 0.25], vec![0.1, 0.3], vec![0.1, 0.2]];
+        let set = Shape::set("plug", places);
+        assert!(
+            set.contains(&[0.1, 0.2]) && set.contains(&[0.1, 0.3]) && set.contains(&[0.5, 0.25])
+        );
+        assert!(!set.contains(&[0.5, 0.250_000_001]) && !set.contains(&[0.1, 0.25]));
     }
 
     #[test]

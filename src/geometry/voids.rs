@@ -2,7 +2,8 @@
 //! re-entrant corner, known only by the points that are not there.
 //!
 //! Probes around every point are compared with the cells about them. What no cell reaches is a void,
-//! whatever the spacing does: a graded cloud has coarse cells where it has few points.
+//! whatever the spacing does: a graded cloud has coarse cells where it has few points. A mesh tells its free
+//! surfaces itself.
 
 use rayon::prelude::*;
 
@@ -30,9 +31,10 @@ pub struct Voids<const D: usize> {
 impl<const D: usize> Voids<D> {
     /// Looks for the voids of a cloud whose planes are known; none without planes.
     pub fn find(cloud: &Cloud<D>) -> Self {
-        let balls = match cloud.domain.planes && !cloud.filled {
-            true => empty_balls(cloud),
-            false => Vec::new(),
+        let balls = match (&cloud.outline, cloud.domain.planes && !cloud.filled) {
+            (Some(outline), _) => outline.surface.clone(),
+            (None, true) => empty_balls(cloud),
+            (None, false) => Vec::new(),
         };
         let (centre, radius): (Vec<Vector<D>>, Vec<f64>) = balls.into_iter().unzip();
         let largest = radius.iter().copied().fold(0.0, f64::max);

@@ -3,7 +3,7 @@
 use crate::effects::vector;
 use crate::geometry::generate::{blocks, graded, jitter, lattice};
 use crate::geometry::{
-    Cloud, Crack, Cutter, Domain, Families, ImageTable, Subdomain, Vector, horizons,
+    Cloud, Crack, Cutter, Domain, Families, ImageTable, Outline, Subdomain, Vector, horizons,
     horizons_in_parts,
 };
 use crate::plan::{CrackKind, CrackPlan, GeometryPlan, Plan, PointTable};
@@ -76,9 +76,18 @@ fn generate<const D: usize>(plan: &Plan) -> Result<(Cloud<D>, Option<&PointTable
             path,
             table,
             bounds,
+            mesh,
             ..
         } => {
-            let cloud = from_table(path, table, bounds.as_ref())?;
+            let mut cloud = from_table(path, table, bounds.as_ref())?;
+            if let Some(mesh) = mesh {
+                let ball = |own: &(Vec<f64>, f64)| (vector(&own.0), own.1);
+                cloud.filled = mesh.surface.is_empty();
+                cloud.outline = Some(Outline {
+                    side_area: mesh.side_area.clone(),
+                    surface: mesh.surface.iter().map(ball).collect(),
+                });
+            }
             Ok((cloud, Some(table)))
         }
     }
@@ -186,6 +195,7 @@ fn from_table<const D: usize>(
         cell,
         irregular: true,
         filled: false,
+        outline: None,
     };
     check_inside(path, &cloud)?;
     check_distinct(path, &cloud)?;

@@ -126,8 +126,8 @@ pub enum ModelError {
     },
     /// A points file that names materials, beside regions.
     #[error(
-        "the points file names the material of every point, so the region of material \"{material}\" \
-         reaches nothing; remove the region, or the material column of the file"
+        "the file names the material of every point, so the region of material \"{material}\" reaches nothing; \
+         remove the region, or what names materials in the file: a column of points, groups of a mesh"
     )]
     UnusedRegion {
         /// Name of the material.
@@ -135,8 +135,8 @@ pub enum ModelError {
     },
     /// A points file does not tell which of several materials without a region its points are of.
     #[error(
-        "neither \"{first}\" nor \"{second}\" has a region, and the points file has no column `material`; add the \
-         column, or give one of them a region"
+        "neither \"{first}\" nor \"{second}\" has a region, and the file tells no materials; add a column `material` to \
+         points, name a group of a mesh like each material, or give one of them a region"
     )]
     UntoldMaterial {
         /// A material without a region.

@@ -36,8 +36,12 @@ pub(super) fn check_effects(plan: &Plan) -> Result<(), ModelError> {
 /// # Errors
 /// [`ModelError`], which says what does not fit.
 pub(super) fn check<const D: usize>(plan: &Plan, cloud: &Cloud<D>) -> Result<(), ModelError> {
+    // The cells of a mesh are what they are, and its bounds are theirs.
     if let GeometryPlan::Points {
-        path, any_volume, ..
+        path,
+        any_volume,
+        mesh: None,
+        ..
     } = &plan.geometry
     {
         let refuse = |message: String| ModelError::Points {

@@ -41,6 +41,10 @@ pub struct Cells<'a> {
     pub corners: &'a [u32],
     /// Where the corners of each cell end in `corners`. Shape `(cells,)`.
     pub ends: &'a [u64],
+    /// Of polyhedra the number of faces, and for each face the number of its corners and these. Empty without any.
+    pub faces: &'a [u64],
+    /// Where the faces of each cell end in `faces`; −1 for cells that are no polyhedra. Shape `(cells,)`, or empty.
+    pub face_ends: &'a [i64],
 }
 
 impl Cells<'_> {
@@ -72,7 +76,19 @@ impl Cells<'_> {
         let corners: Vec<u8> = corners.flat_map(i64::to_le_bytes).collect();
         let ends: Vec<u8> = self.ends.iter().flat_map(|end| end.to_le_bytes()).collect();
         write_array(writer, "Int64", "Name=\"connectivity\"", "", &corners)?;
-        write_array(writer, "Int64", "Name=\"offsets\"", "", &ends)
+        write_array(writer, "Int64", "Name=\"offsets\"", "", &ends)?;
+        if self.faces.is_empty() {
+            return Ok(());
+        }
+        let faces: Vec<u8> = self
+            .faces
+            .iter()
+            .flat_map(|own| own.to_le_bytes())
+            .collect();
+        let ends = self.face_ends.iter().flat_map(|end| end.to_le_bytes());
+        let ends: Vec<u8> = ends.collect();
+        write_array(writer, "Int64", "Name=\"faces\"", "", &faces)?;
+        write_array(writer, "Int64", "Name=\"faceoffsets\"", "", &ends)
     }
 }
 

@@ -72,6 +72,7 @@ mod tests {
             lines: Cells {
                 corners: &[0, 1, 1, 2],
                 ends: &[2, 4],
+                ..Cells::default()
             },
             fields: &fields,
         };

@@ -123,6 +123,7 @@ fn cells_have_corners_ends_and_kinds_and_points_of_other_pieces_are_told() {
         cells: Cells {
             corners: &[0, 1, 2, 3, 4],
             ends: &[4, 5],
+            ..Cells::default()
         },
         kinds: &[9, 1],
         ghosts: Some(2),
@@ -144,7 +145,11 @@ fn cells_have_corners_ends_and_kinds_and_points_of_other_pieces_are_told() {
 
 #[test]
 fn cells_that_do_not_fit_the_points_are_refused() {
-    let cells = |corners, ends| Cells { corners, ends };
+    let cells = |corners, ends| Cells {
+        corners,
+        ends,
+        ..Cells::default()
+    };
     for cells in [
         cells(&[0, 1, 2], &[3]),
         cells(&[0, 1], &[1]),
@@ -226,6 +231,8 @@ const EMPTY: VtuData<'static> = VtuData {
     cells: Cells {
         corners: &[],
         ends: &[],
+        faces: &[],
+        face_ends: &[],
     },
     kinds: &[],
     fields: &[],

@@ -42,7 +42,7 @@ fn uneven(plan: &Plan, system: System, jitter: f64) -> Option<&'static str> {
             Shape::HalfPlane { normal, .. } => {
                 normal.iter().filter(|part| part.abs() > 0.0).count() == 1
             }
-            Shape::Disc { .. } | Shape::Polygon { .. } => false,
+            Shape::Disc { .. } | Shape::Polygon { .. } | Shape::Set { .. } => false,
         });
     if jitter > 0.0 {
         Some("here points are jittered")

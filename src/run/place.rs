@@ -59,10 +59,10 @@ fn place(scene: &Scene, error: &ModelError) -> Option<Span> {
         }
         ModelError::Points { .. }
         | ModelError::UnknownMaterial { .. }
-        | ModelError::UntoldMaterial { .. } => match &scene.geometry.value {
-            scene::Geometry::File(file) => Some(file.path.span),
-            _ => Some(scene.geometry.span),
-        },
+        | ModelError::UntoldMaterial { .. } => {
+            let path = scene.geometry.value.path();
+            Some(path.map_or(scene.geometry.span, |path| path.span))
+        }
         ModelError::NoMaterial { .. } => scene.materials.iter().next().map(|entry| entry.span),
         ModelError::Effect(
             EffectError::EmptyWell { name, .. } | EffectError::CrampedWell { name, .. },

@@ -40,7 +40,7 @@ pub use loading::{LoadedScene, load_file, load_layers, load_str, with_layers};
 pub use quantity::{Dimension, Quantity};
 pub use schema::json_schema;
 pub use sections::*;
-pub use shape::{BoxShape, DiscShape, HalfPlaneShape, PolygonShape, Shape};
+pub use shape::{BoxShape, DiscShape, HalfPlaneShape, PolygonShape, SetShape, Shape};
 pub use sources::Sources;
 pub use span::{Entry, Named, Span, Spanned};
 pub use stages::{Stage, load_stages};

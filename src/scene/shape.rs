@@ -21,6 +21,8 @@ pub enum Shape {
     Polygon(PolygonShape),
     /// Everything on one side of a line or plane.
     HalfPlane(HalfPlaneShape),
+    /// A set of the mesh that the geometry is read from.
+    Set(SetShape),
 }
 
 /// A rectangle or a cuboid along the axes.
@@ -61,10 +63,19 @@ pub struct HalfPlaneShape {
     pub normal: Spanned<Vec<Number>>,
 }
 
+/// A set of the mesh that the geometry is read from.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SetShape {
+    /// Name of a physical group (Gmsh) or of a set of elements or nodes (Abaqus).
+    pub name: Spanned<String>,
+}
+
 impl Shape {
-    /// The shape in SI numbers.
+    /// The shape in SI numbers; a set has its points only once the mesh is read.
     pub fn resolved(&self) -> geometry::Shape {
         match self {
+            Self::Set(shape) => geometry::Shape::set(&shape.name, Vec::new()),
             Self::Box(shape) => geometry::Shape::Box {
                 min: values(&shape.min),
                 max: values(&shape.max),

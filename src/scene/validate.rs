@@ -7,7 +7,7 @@ use super::diagnostics::Diagnostic;
 use super::draft::Draft;
 use super::load::Load;
 use super::quantity::{Dimension, Length, Quantity, values};
-use super::sections::Bounds;
+use super::sections::{Bounds, Geometry};
 use super::shape::Shape;
 use super::span::{Named, Span, Spanned};
 use super::suggest::one_of;
@@ -172,6 +172,13 @@ impl Report {
             Shape::Disc(shape) => {
                 self.vector("centre", &shape.centre, dimension);
                 self.positive("radius", shape.radius);
+            }
+            Shape::Set(shape) => {
+                let geometry = scene.sound(&scene.draft.geometry);
+                if geometry.is_some_and(|own| !matches!(own, Geometry::Mesh(_))) {
+                    let fault = Diagnostic::new("only a mesh has sets").at(shape.name.span);
+                    self.add(fault.help("use another shape, or geometry.type = \"mesh\""));
+                }
             }
             Shape::Polygon(shape) => {
                 if shape.vertices.len() < 3 {

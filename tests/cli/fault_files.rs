@@ -136,7 +136,7 @@ error: the points file names the material "clay", which the scene does not defin
             ],
             files: &[("points.csv", b"x,y,volume\n0,0,1\n1,0,1\n0,1,1\n")],
             stderr: r#"
-error: neither "clay" nor "rock" has a region, and the points file has no column `material`; add the column, or give one of them a region
+error: neither "clay" nor "rock" has a region, and the file tells no materials; add a column `material` to points, name a group of a mesh like each material, or give one of them a region
  --> scene.toml:4:8
   |
 4 | path = "points.csv"

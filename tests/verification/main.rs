@@ -24,6 +24,7 @@ mod initial;
 mod laminate;
 mod lefm;
 mod mechanics;
+mod meshes;
 mod operators;
 mod output;
 mod patch;

@@ -56,6 +56,7 @@ pub fn blocks<const D: usize>(
         cell,
         irregular,
         filled: true,
+        outline: None,
     })
 }
 

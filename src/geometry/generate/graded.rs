@@ -84,6 +84,7 @@ pub fn graded<const D: usize>(
         },
         volume: cell.iter().map(Vector::product).collect(),
         filled: true,
+        outline: None,
         irregular: cell
             .iter()
             .any(|width| (width - first).amax() > 1e-9 * first.amax()),

@@ -38,6 +38,7 @@ pub fn lattice<const D: usize>(
         cell: vec![cell; count],
         irregular: false,
         filled: true,
+        outline: None,
     })
 }
 

@@ -203,7 +203,7 @@ fn extent(shape: &Shape, axis: usize) -> [f64; 2] {
                 [low.min(x), high.max(x)]
             })
         }
-        Shape::Polygon { .. } | Shape::HalfPlane { .. } => endless,
+        Shape::Polygon { .. } | Shape::HalfPlane { .. } | Shape::Set { .. } => endless,
     }
 }
 

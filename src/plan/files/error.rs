@@ -297,6 +297,18 @@ pub enum FileError {
         /// Points of the cloud.
         points: usize,
     },
+    /// An element of a mesh that cannot become a point.
+    #[error("{path}: element {label}, a {kind}: {fault}")]
+    Element {
+        /// The file.
+        path: PathBuf,
+        /// Number of the element in the file.
+        label: u64,
+        /// Its form.
+        kind: &'static str,
+        /// What is wrong with it, and what to do.
+        fault: String,
+    },
     /// The file may be sound, but has a variant of its format that is not read here.
     #[error("{path}: {what} `{found}` is not read here; {remedy}")]
     Unsupported {

@@ -1,4 +1,4 @@
-//! Point clouds and properties of the rock from files: `.csv`, `.vtu` and `.npy`.
+//! Point clouds, meshes and properties of the rock from files: `.csv`, `.vtu`, `.npy`, `.msh` and `.inp`.
 //!
 //! Every reader takes the whole file into memory, checks every value, and reports the first fault
 //! with its place, so that a damaged file never becomes a damaged simulation.
@@ -7,6 +7,7 @@ mod bundled;
 mod columns;
 mod csv;
 mod error;
+mod mesh;
 mod npy;
 mod order;
 mod property;
@@ -19,6 +20,7 @@ use std::path::Path;
 
 pub use bundled::BUNDLED;
 pub use error::{FileError, Place, ValueFault};
+pub use mesh::{MeshTable, PointSet, read_mesh};
 pub use order::{FieldTable, check_cells, check_length};
 pub use property::Property;
 pub use table::{PointTable, TableError};

@@ -3,8 +3,8 @@
 use super::Resolver;
 use crate::geometry::generate::{Refinement, Segment, divide};
 use crate::geometry::{Horizon, Influence};
-use crate::plan::files::read_points;
-use crate::plan::types::GeometryPlan;
+use crate::plan::files::{PointTable, read_mesh, read_points};
+use crate::plan::types::{GeometryPlan, MeshPlan};
 use crate::scene::quantity::{Length, values};
 use crate::scene::{self, Spanned};
 
@@ -49,6 +49,7 @@ impl Resolver<'_> {
                 })
             }
             scene::Geometry::File(file) => self.points(file),
+            scene::Geometry::Mesh(file) => self.mesh(file),
         }
     }
 
@@ -106,9 +107,34 @@ impl Resolver<'_> {
                     table,
                     bounds,
                     any_volume: file.any_volume,
+                    mesh: None,
                 })
             }
         }
+    }
+
+    fn mesh(&mut self, file: &scene::MeshFile) -> Option<GeometryPlan> {
+        let unit = file.unit.map_or(1.0, |unit| unit.value());
+        let mesh = match read_mesh(&self.loaded.path(&file.path), unit) {
+            Ok(mesh) => mesh,
+            Err(error) => return self.fault(file.path.span, error),
+        };
+        let material = self.materials_of(file, &mesh)?;
+        Some(GeometryPlan::Points {
+            path: file.path.value.clone(),
+            table: PointTable {
+                material,
+                ..mesh.table
+            },
+            bounds: Some(mesh.bounds),
+            any_volume: false,
+            mesh: Some(MeshPlan {
+                sets: mesh.sets,
+                dual: mesh.dual,
+                side_area: mesh.side_area,
+                surface: mesh.surface,
+            }),
+        })
     }
 }
 

@@ -11,6 +11,7 @@ mod materials;
 mod mechanics;
 mod permeability;
 mod places;
+mod sets;
 mod shortened;
 #[cfg(test)]
 mod tests;
@@ -163,6 +164,7 @@ impl Resolver<'_> {
             reference: scene.reference.as_deref().map(control::reference_plan),
             warnings: Vec::new(),
         };
+        self.fill_sets(&mut plan);
         self.check_reference(&plan);
         self.check_planes(&plan);
         self.check_tensors(&plan);

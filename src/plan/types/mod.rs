@@ -33,9 +33,9 @@ pub use well::{WellDrive, WellPlan, Wellbore};
 
 use super::Load;
 use super::OwnEffect;
-use super::files::PointTable;
+use super::files::{PointSet, PointTable};
 use crate::geometry::generate::{Refinement, Segment};
-use crate::geometry::{Horizon, Influence, Shape};
+use crate::geometry::{DualCells, Horizon, Influence, Shape};
 
 /// A scene resolved to what will be computed.
 #[derive(Debug, Clone)]
@@ -143,7 +143,22 @@ pub enum GeometryPlan {
         bounds: Option<(Vec<f64>, Vec<f64>)>,
         /// Whether volumes that do not fit the points are believed.
         any_volume: bool,
+        /// What else is known where the points are the cells of a mesh.
+        mesh: Option<MeshPlan>,
     },
+}
+
+/// What a mesh tells of the points that its cells became.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshPlan {
+    /// Its groups.
+    pub sets: Vec<PointSet>,
+    /// Cells whose corners are the points.
+    pub dual: DualCells,
+    /// Area of the cells on each side of the bounds, m^(D−1); shape `(2D,)`, low and high side of each axis.
+    pub side_area: Vec<f64>,
+    /// Balls that touch the free surfaces from outside, one for each face: centre and radius, m.
+    pub surface: Vec<(Vec<f64>, f64)>,
 }
 
 /// Ratio of the edges of scattered cells from which on their neighbours are not looked for: a ball as long as

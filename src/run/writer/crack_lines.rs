@@ -92,6 +92,7 @@ impl CrackLines {
             lines: Cells {
                 corners: &self.corners,
                 ends: &self.ends,
+                ..Cells::default()
             },
             fields: &fields,
         };

@@ -25,6 +25,8 @@ pub enum Geometry {
     Blocks(Blocks),
     /// Points read from a file.
     File(PointFile),
+    /// The cells of a mesh read from a file.
+    Mesh(MeshFile),
 }
 
 /// Equal cells in a rectangle or cuboid; a point at the centre of each.
@@ -131,6 +133,22 @@ pub struct PointFile {
     pub thickness: Option<Length>,
 }
 
+/// The cells of a mesh: each becomes a point at its centroid. The domain is the box around them; what they leave of
+/// it is void, with free surfaces.
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshFile {
+    /// A `.msh` (Gmsh 4.1), `.inp` (Abaqus) or `.vtu` file, relative to the scene file. Cells have straight edges.
+    /// Groups with the name of a material tell which cells it has.
+    #[serde(alias = "file")]
+    pub path: Spanned<String>,
+    /// Length of one unit of the file, m; 1 m if absent.
+    pub unit: Option<Length>,
+    /// Extent across the plane, m; 1 m if absent. Forces, rates and energies are those of a slab this
+    /// thick. Only in two dimensions.
+    pub thickness: Option<Length>,
+}
+
 /// Corners of a domain whose points come from a file.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -212,6 +230,7 @@ impl Geometry {
             Self::Graded(graded) => Some(graded.axes.len()),
             Self::Blocks(blocks) => Some(blocks.size.len()),
             Self::File(file) => file.bounds.as_ref().map(|bounds| bounds.min.len()),
+            Self::Mesh(_) => None,
         }
     }
 
@@ -222,6 +241,16 @@ impl Geometry {
             Self::Graded(graded) => graded.thickness,
             Self::Blocks(blocks) => blocks.thickness,
             Self::File(file) => file.thickness,
+            Self::Mesh(mesh) => mesh.thickness,
+        }
+    }
+
+    /// The file that points come from.
+    pub fn path(&self) -> Option<&Spanned<String>> {
+        match self {
+            Self::Lattice(_) | Self::Graded(_) | Self::Blocks(_) => None,
+            Self::File(file) => Some(&file.path),
+            Self::Mesh(mesh) => Some(&mesh.path),
         }
     }
 
@@ -231,6 +260,7 @@ impl Geometry {
             Self::Lattice(lattice) => Bounds::new(lattice.origin.as_ref(), &values(&lattice.size)),
             Self::Blocks(blocks) => Bounds::new(blocks.origin.as_ref(), &values(&blocks.size)),
             Self::Graded(graded) => Bounds::new(graded.origin.as_ref(), &graded.lengths()),
+            Self::Mesh(_) => return None,
             Self::File(file) => {
                 let bounds = file.bounds.as_ref()?;
                 Bounds {
@@ -287,6 +317,7 @@ impl Section for Geometry {
             Self::Graded(graded) => check_graded(graded, report),
             Self::Blocks(blocks) => check_blocks(blocks, scene, report),
             Self::File(file) => check_file(file, report),
+            Self::Mesh(mesh) => check_mesh(mesh, report),
         }
         if let Some(thickness) = self.thickness() {
             report.positive("thickness", thickness);
@@ -399,5 +430,12 @@ fn check_file(file: &PointFile, report: &mut Report) {
     report.file("path", &file.path, &["csv", "vtu"]);
     if let Some(bounds) = &file.bounds {
         report.corners(&bounds.min, &bounds.max, None);
+    }
+}
+
+fn check_mesh(mesh: &MeshFile, report: &mut Report) {
+    report.file("path", &mesh.path, &["msh", "inp", "vtu"]);
+    if let Some(unit) = mesh.unit {
+        report.positive("unit", unit);
     }
 }

@@ -145,7 +145,10 @@ impl Section for Named<Material> {
             report.add(Diagnostic::new(message).at(place));
         }
         // A file may tell the material of every point.
-        let told = matches!(scene.sound(&scene.draft.geometry), Some(Geometry::File(_)));
+        let told = matches!(
+            scene.sound(&scene.draft.geometry),
+            Some(Geometry::File(_) | Geometry::Mesh(_))
+        );
         let mut background = self.iter().filter(|entry| entry.value.region.is_none());
         if let Some(first) = background.next().filter(|_| !told) {
             for second in background {

@@ -37,8 +37,8 @@ pub use fluid::Fluid;
 pub use fracture_flow::{Aperture, FractureFlow, Transmissivity};
 pub(crate) use geometry::thickness_in_space;
 pub use geometry::{
-    Blocks, Bounds, FileBounds, Geometry, Graded, Lattice, PointFile, Refinement, Segment,
-    SegmentSpacing,
+    Blocks, Bounds, FileBounds, Geometry, Graded, Lattice, MeshFile, PointFile, Refinement,
+    Segment, SegmentSpacing,
 };
 pub use gravity::Gravity;
 pub use horizon::{Horizon, HorizonSize, Influence};

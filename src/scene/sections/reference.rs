@@ -3,7 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::geometry::Geometry;
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, values};
 use crate::scene::span::{Span, Spanned};
@@ -109,7 +108,7 @@ impl Reference {
         let wells = scene.sound(&scene.draft.wells);
         let known = scene
             .sound(&scene.draft.geometry)
-            .is_some_and(|g| !matches!(g, Geometry::File(_)));
+            .is_some_and(|g| g.path().is_none());
         let (Some(wells), Some(bounds), true) = (wells, scene.bounds(), known) else {
             return;
         };

@@ -1,12 +1,14 @@
 //! Points from VTK unstructured grids (`.vtu`, VTK XML file format).
 
 mod array;
+mod cells;
 mod document;
 
 use std::path::Path;
 
 use roxmltree::{Document, Node};
 
+pub(super) use self::cells::read_mesh;
 use self::document::{Appended, Layout, separate};
 use super::columns::Columns;
 use super::values::{Allowed, check};
