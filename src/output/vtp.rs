@@ -83,10 +83,10 @@ mod tests {
             .descendants()
             .find(|node| node.has_tag_name("Piece"));
         assert_eq!(piece.unwrap().attribute("NumberOfLines"), Some("2"));
-        let key = document
+        let mut key = document
             .descendants()
             .filter(|node| node.has_tag_name("InformationKey"));
-        assert_eq!(key.last().unwrap().text(), Some("m"));
+        assert_eq!(key.next_back().unwrap().text(), Some("m"));
         let beyond = VtpData {
             lines: Cells {
                 corners: &[0, 1, 1, 3],

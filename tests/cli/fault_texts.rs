@@ -181,7 +181,7 @@ error: `hexagons` is not known here
 3 | type = "hexagons"
   |        ^^^^^^^^^^
   |
-  = help: expected `lattice`, `graded`, `blocks` or `file`
+  = help: expected `lattice`, `graded`, `blocks`, `file` or `mesh`
 "#,
             ..FAULT
         },

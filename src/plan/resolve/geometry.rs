@@ -128,12 +128,12 @@ impl Resolver<'_> {
             },
             bounds: Some(mesh.bounds),
             any_volume: false,
-            mesh: Some(MeshPlan {
+            mesh: Some(Box::new(MeshPlan {
                 sets: mesh.sets,
                 dual: mesh.dual,
                 side_area: mesh.side_area,
                 surface: mesh.surface,
-            }),
+            })),
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::Resolver;
 use crate::geometry::Shape;
 use crate::plan::files::{MeshTable, PointSet};
-use crate::plan::types::{GeometryPlan, MeshPlan, Plan};
+use crate::plan::types::{GeometryPlan, Plan};
 use crate::scene::{self, Diagnostic, Scene, SetShape};
 
 impl Resolver<'_> {
@@ -53,13 +53,13 @@ impl Resolver<'_> {
     pub(super) fn fill_sets(&mut self, plan: &mut Plan) {
         let GeometryPlan::Points {
             table,
-            mesh: Some(MeshPlan { sets, .. }),
+            mesh: Some(mesh),
             ..
         } = &plan.geometry
         else {
             return;
         };
-        let (table, sets) = (table.clone(), sets.clone());
+        let (table, sets) = (table.clone(), mesh.sets.clone());
         for typed in loaded_sets(&self.loaded.scene) {
             let fault = Diagnostic::new("a set is no part of a side: it has points, and no area")
                 .at(typed.name.span);

@@ -144,7 +144,7 @@ pub enum GeometryPlan {
         /// Whether volumes that do not fit the points are believed.
         any_volume: bool,
         /// What else is known where the points are the cells of a mesh.
-        mesh: Option<MeshPlan>,
+        mesh: Option<Box<MeshPlan>>,
     },
 }
 
