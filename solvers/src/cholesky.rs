@@ -5,6 +5,8 @@
 //!
 //! All work runs on one thread, so the bits of a factor do not depend on the number of threads.
 
+use std::sync::Arc;
+
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -69,7 +71,7 @@ pub fn predict(problem: &Problem<'_>) -> Result<FactorPrediction, SolveError> {
 /// A Cholesky factor with all the memory it needs, in double or single precision.
 pub(crate) struct CholeskyFactor<T: RealField> {
     kind: Kind,
-    symbolic: SymbolicCholesky<u32>,
+    symbolic: Arc<SymbolicCholesky<u32>>,
     prediction: FactorPrediction,
     /// One column, so that its alignment and with it every bit is always the same.
     values: Mat<T>,
@@ -84,10 +86,19 @@ impl<T: RealField> CholeskyFactor<T> {
         kind: Kind,
         ordering: Ordering,
     ) -> Result<Self, SolveError> {
-        let symbolic = symbolic(problem, ordering)?;
+        Self::of(Arc::new(symbolic(problem, ordering)?), kind)
+    }
+
+    /// The same factor in double precision, without values.
+    pub(crate) fn in_double_precision(&self) -> Result<CholeskyFactor<f64>, SolveError> {
+        CholeskyFactor::of(self.symbolic.clone(), self.kind)
+    }
+
+    /// Allocates all memory but the values.
+    fn of(symbolic: Arc<SymbolicCholesky<u32>>, kind: Kind) -> Result<Self, SolveError> {
         let allocate = |request: StackReq| {
             MemBuffer::try_new(request).map_err(|_| SolveError::TooLarge {
-                unknowns: problem.unknowns(),
+                unknowns: symbolic.nrows(),
                 reason: "out of memory".into(),
             })
         };

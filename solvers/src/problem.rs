@@ -79,6 +79,9 @@ pub struct Problem<'a> {
     pub schur_diagonal: Option<&'a [f64]>,
     /// Right-hand sides expected per change of the values; more of them pay for a dearer set-up.
     pub solves: usize,
+    /// Whether matrices of successive solves differ by little and the caller refreshes only once solves slow down:
+    /// what belongs to an earlier matrix then serves this one as a preconditioner.
+    pub lags: bool,
     /// Largest over smallest coefficient, as far as it is known; 1 if it is not.
     pub contrast: f64,
     /// Largest ratio at a point of the resistance to changes of volume to that to changes of shape,
@@ -102,6 +105,7 @@ impl<'a> Problem<'a> {
             near_nullspace: NearNullspace::Constants,
             schur_diagonal: None,
             solves: 1,
+            lags: false,
             contrast: 1.0,
             volume_stiffness: 1.0,
             lattice: Err("nothing is known of the order of the points"),

@@ -121,9 +121,9 @@ pub const CASES: &[Case] = &[
         "natural-fractures",
         "injection into a crack with natural fractures in its way (Sec. 5.5)",
         "smoke",
+        "paper",
         "vertical",
-        "wide",
-        "split"
+        "wide"
     ),
     case!(
         "injection-rate",

@@ -168,6 +168,7 @@ pub(super) fn outline(plan: &Plan, sample: &Sample, system: System) -> Outline {
             System::Mechanics => plan.solid_demand().solves,
             System::Flow | System::Monolithic => plan.stage_demand().solves,
         },
+        lags: system == System::Monolithic && plan.fracture_flow.is_some(),
         contrast: match system {
             System::Mechanics => solid,
             System::Flow => contrast,

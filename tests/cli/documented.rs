@@ -16,6 +16,7 @@ const SHORTENED: &[(&str, &[&str])] = &[
     ("run heterogeneous", &["geometry.points=[30, 30]"]),
     ("run terzaghi", &["geometry.spacing=0.25"]),
     ("run natural-fractures/wide", FIRST_OF_WIDE),
+    ("run staged-injection", &["geometry.spacing=4 cm"]),
     ("run inclined-crack.toml", &["time.end=0.1"]),
     ("run injection.toml", &["time.end=0.02"]),
     ("study", &["--quick", "--budget", "3s"]),
@@ -85,16 +86,14 @@ const SMALLER: &[(&str, &[&str])] = &[
         "pressurised-notch/paper",
         &["geometry.spacing=2 cm", "time.end=200"],
     ),
-    ("natural-fractures", INJECTION),
+    ("natural-fractures", PUMPED),
+    ("natural-fractures/paper", INJECTION),
     ("natural-fractures/vertical", INJECTION),
     ("natural-fractures/wide", FIRST_OF_WIDE),
-    (
-        "natural-fractures/split",
-        &["geometry.spacing=4 cm", "time.end=0.05", "output.times=[]"],
-    ),
-    ("injection-rate", INJECTION),
-    ("injection-rate/four", INJECTION),
-    ("injection-rate/six", INJECTION),
+    ("injection-rate", PUMPED),
+    ("injection-rate/four", PUMPED),
+    ("injection-rate/six", PUMPED),
+    ("staged-injection", &["geometry.spacing=4 cm"]),
     ("kgd-toughness", KGD),
     ("kgd-viscosity", KGD),
     ("kgd-leak-off", &["geometry.spacing=10 cm", "time.end=0.3"]),
@@ -110,6 +109,7 @@ const TENSION: &[&str] = &[COARSE, NOTCH, "time.end=300"];
 const SHEAR: &[&str] = &[COARSE, NOTCH, "time.end=75"];
 const COARSE: &str = "geometry={type=\"lattice\", size=[\"1 mm\", \"1 mm\"], points=[30, 30]}";
 const NOTCH: &str = "damage.length_scale=0.1333333 mm";
+const PUMPED: &[&str] = &["geometry.spacing=4 cm", "time.end=0.02"];
 const INJECTION: &[&str] = &[
     "geometry.spacing=4 cm",
     "damage.length_scale=8 cm",
@@ -274,9 +274,10 @@ fn every_documented_command_works() {
     let (mut used, mut faults, mut done) = (Vec::new(), Vec::new(), Vec::new());
     for path in texts() {
         for command in commands(&fs::read_to_string(path).unwrap()) {
-            if !done.contains(&command) {
+            let words = words(&command);
+            if !done.contains(&words) {
                 faults.extend(fault(&place, &command, &mut used));
-                done.push(command);
+                done.push(words);
             }
         }
     }

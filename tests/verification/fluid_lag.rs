@@ -2,7 +2,7 @@
 
 use perifrac::run::Summary;
 
-use crate::support::{plan, plan_of, plan_of_variant, run_text, try_run};
+use crate::support::{plan, plan_of, run_text, try_run};
 
 /// A crack of 1 m in the middle of a block (a quarter of it is computed) that is pulled within 0.1 s by 1 MPa,
 /// while fluid without friction is pumped into it.
@@ -162,12 +162,12 @@ fn water_is_pumped_into_tight_rock_whose_pores_draw() {
     assert!(apart < 0.15, "{long} {short} {start}");
 }
 
-/// Soft rock that takes in fluid as it widens draws at the tip of `natural-fractures/split`: points there are empty at the
+/// Soft rock that takes in fluid as it widens draws at the tip of `natural-fractures`: points there are empty at the
 /// end of the first step, their faces bear no suction, and nothing flows out of them that was not in them. Others hold a
 /// void and fluid, which boils.
 #[test]
 fn rock_draws_a_tip_empty_and_gets_no_more_than_was_in_it() {
-    let plan = plan_of_variant("natural-fractures", "split", &["time.end=10 ms"]);
+    let plan = plan("natural-fractures", &["time.end=10 ms"]);
     let (summary, state) = try_run(&plan).unwrap();
     let (fluid, void) = fluid_and_void(&summary);
     assert!(void > 0.1 * fluid, "{void} beside {fluid}");

@@ -131,6 +131,7 @@ fn the_closer_to_incompressible_the_more_is_factored() {
             entries_per_row: 126.0,
             dimension: 2,
             solves: 3,
+            lags: false,
             contrast: 1.0,
             volume_stiffness: 2.0 * (1.0 - poissons_ratio) / (1.0 - 2.0 * poissons_ratio),
             separates: false,

@@ -11,9 +11,15 @@ use crate::support::{plan_of_variant, try_run};
 const SMOKE: [(&str, &[&str]); 4] = [
     (
         "natural-fractures",
-        &["time.end=0.01", "time.max_step=0.01", "output.times=[]"],
+        &[
+            "geometry.spacing=3 cm",
+            "damage.length_scale=4.5 cm",
+            "time.end=0.01",
+            "time.max_step=0.01",
+            "output.times=[]",
+        ],
     ),
-    ("pressurised-notch", &[]),
+    ("pressurised-notch", &["time.end=460 s", "output.times=[]"]),
     ("penny-3d", &["geometry.points=[7, 7, 7]"]),
     ("notched-tension", COARSE),
 ];

@@ -59,7 +59,7 @@ pub const PRECONDITIONERS: &[PreconditionerInfo] = &[
     },
     PreconditionerInfo {
         name: "f32",
-        meaning: "LLT or LDLT factor in single precision: half the memory of a direct solver",
+        meaning: "LLT or LDLT factor in single precision: half the memory of a direct solver; in double where it serves badly",
         symmetries: FACTORED,
         definite: DEFINITE,
         build: single::build,

@@ -119,6 +119,29 @@ fn a_quasi_definite_factor_in_single_precision_serves_gmres() {
     assert!(report.iterations <= 6, "{report:?}");
 }
 
+/// A crack of nine orders solved with the factor of the rock before it broke: that serves badly, and one in double
+/// precision takes over.
+#[test]
+fn where_a_factor_in_single_precision_serves_badly_one_in_double_takes_over() {
+    let cloud = jittered_grid(40, 30, 0.2);
+    let (sound, a) = (wide_stencil(&cloud, 1, 2.5, 1), cracked(&cloud, 40, 1e-9));
+    let problem = positive_definite(&a, Some(&cloud), 1);
+    let rhs = noisy_vector(a.rows());
+    let mut solver = ready("gmres:preconditioner=f32,tolerance=1e-10", &problem).unwrap();
+    solver.refresh(sound.view()).unwrap();
+    let mut x = vec![0.0; a.rows()];
+    let before = solver.counters().factorisations;
+    let report = solver.solve(a.view(), &rhs, &mut x).unwrap();
+    assert_eq!(solver.counters().factorisations, before + 1);
+    assert!((30..40).contains(&report.iterations), "{report:?}");
+    assert!(relative_error(&x, &dense_solution(&a, &rhs)) < 1e-6);
+    // The next matrix has a factor in single precision again.
+    solver.refresh(a.view()).unwrap();
+    let report = solver.solve(a.view(), &rhs, &mut x).unwrap();
+    assert!(report.iterations <= 6, "{report:?}");
+    assert_eq!(solver.counters().factorisations, before + 2);
+}
+
 #[test]
 fn an_incomplete_cholesky_factor_that_fails_is_shifted_until_it_exists() {
     // Kershaw's matrix: positive definite, but the factor without fill has a negative pivot.

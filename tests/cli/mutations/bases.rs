@@ -17,11 +17,7 @@ const SMALL: [(&str, Option<&str>, &[&str]); 24] = [
     ),
     ("footing", None, &["geometry.spacing=1"]),
     ("heterogeneous", None, &["geometry.points=[10, 10]"]),
-    (
-        "injection-rate",
-        None,
-        &["geometry.spacing=0.1", "damage.length_scale=0.4"],
-    ),
+    ("injection-rate", None, &["geometry.spacing=0.1"]),
     ("mandel", None, &["geometry.spacing=0.05"]),
     ("manufactured", None, &["geometry.points=[8, 8]"]),
     ("natural-fractures", None, &["geometry.spacing=0.1"]),

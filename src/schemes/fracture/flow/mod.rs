@@ -120,6 +120,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let demand = plan.fracture_demand();
         let problem = Problem {
             solves: demand.solves,
+            lags: block.is_some(),
             contrast: ratio(flow.mobility.iter().copied()).max(plan.expected_contrast()),
             volume_stiffness: volume_stiffness(solid),
             coordinates: Some(Coordinates {
