@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(chosen(&outline(40_000, 3, 200)), "faer-ldlt");
     }
 
-    /// `natural-fractures/split` with 5,000 and 20,000 points, a pass: 0.29 and 2.1 s by a factor of its own, 0.1 and
+    /// `natural-fractures` with 5,000 and 20,000 points, a pass: 0.29 and 2.1 s by a factor of its own, 0.1 and
     /// 1.2 s by one that is kept.
     #[test]
     fn matrices_that_change_by_little_share_a_factor_in_single_precision() {

@@ -164,7 +164,7 @@ impl Cost {
     /// Of flexible GMRES with multigrid on both fields of a coupled matrix.
     pub(crate) fn blocks(outline: &Outline) -> Self {
         let entries = outline.unknowns() as f64 * outline.entries_per_row;
-        // Where pressure leaves along cracks iterations multiply: `natural-fractures/split` takes 20 a solve, 0.58 and
+        // Where pressure leaves along cracks iterations multiply: `natural-fractures` takes 20 a solve, 0.58 and
         // 2.1 s with 3 and 12 million entries, where a factor takes 0.32 and 2.2 s.
         let jumps = if outline.contrast > 1e3 { 7.0 } else { 1.0 };
         Self {
@@ -177,7 +177,7 @@ impl Cost {
     ///
     /// Measured in cracks driven by fluid, coupled systems of 5,000 and 8,000 points: a factor serves four to five
     /// solves, each takes three iterations, and an iteration three quarters of the time of a substitution in double
-    /// precision. 618 passes of `natural-fractures/split` took 121 factors and 1,930 iterations.
+    /// precision. 618 passes of `natural-fractures` took 121 factors and 1,930 iterations.
     pub(crate) fn kept(outline: &Outline) -> Self {
         let factor = Self::direct(outline);
         Self {
