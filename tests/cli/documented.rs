@@ -16,7 +16,10 @@ const SHORTENED: &[(&str, &[&str])] = &[
     ("run heterogeneous", &["geometry.points=[30, 30]"]),
     ("run terzaghi", &["geometry.spacing=0.25"]),
     ("run natural-fractures/wide", FIRST_OF_WIDE),
-    ("run staged-injection", &["geometry.spacing=4 cm"]),
+    (
+        "run staged-injection",
+        &["geometry.spacing=4 cm", "--out", "out/staged-injection"],
+    ),
     ("run inclined-crack.toml", &["time.end=0.1"]),
     ("run injection.toml", &["time.end=0.02"]),
     ("study", &["--quick", "--budget", "3s"]),

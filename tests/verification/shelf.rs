@@ -19,7 +19,7 @@ const SMOKE: [(&str, &[&str]); 4] = [
             "output.times=[]",
         ],
     ),
-    ("pressurised-notch", &["time.end=460 s", "output.times=[]"]),
+    ("pressurised-notch", &["time.end=420 s", "output.times=[]"]),
     ("penny-3d", &["geometry.points=[7, 7, 7]"]),
     ("notched-tension", COARSE),
 ];
