@@ -172,8 +172,9 @@ fn stages_go_on_where_they_were_killed() {
     let place = Place::new();
     let begun = Instant::now();
     let run = |folder: &str| {
+        let smaller = ["--set", "geometry.spacing=4 cm"];
         let arguments = ["run", "staged-injection", "--out", folder];
-        program(&place, &arguments)
+        program(&place, &[&arguments[..], &smaller].concat())
     };
     assert!(run("whole").wait().unwrap().success());
     let length = begun.elapsed();
