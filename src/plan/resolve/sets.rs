@@ -59,35 +59,43 @@ impl Resolver<'_> {
         else {
             return;
         };
-        let (table, sets) = (table.clone(), mesh.sets.clone());
-        for typed in loaded_sets(&self.loaded.scene) {
+        let sets = &mesh.sets;
+        for typed in side_sets(&self.loaded.scene) {
             let fault = Diagnostic::new("a set is no part of a side: it has points, and no area")
                 .at(typed.name.span);
             self.faults.push(
                 fault.help("give the part of the side as a box, a disc, a polygon or a half-plane"),
             );
         }
-        for typed in typed_sets(&self.loaded.scene) {
+        for typed in region_sets(&self.loaded.scene) {
             let name = &typed.name;
             if !sets.iter().any(|set| set.name == **name) {
                 let closest = scene::closest(name, sets.iter().map(|set| set.name.as_str()));
                 let help = match closest {
                     Some(close) => format!("did you mean `{close}`?"),
-                    None => format!("its groups are {}", names(&sets)),
+                    None => format!("its groups are {}", names(sets)),
                 };
                 let fault = Diagnostic::new(format!("the mesh has no group `{}`", name.value));
                 self.faults.push(fault.at(name.span).help(help));
             }
         }
+        let place = |point: &u32| {
+            let first = *point as usize * table.dimension;
+            table.position[first..first + table.dimension].to_vec()
+        };
+        let named = |set: &&PointSet| {
+            let mut typed = region_sets(&self.loaded.scene).into_iter();
+            typed.any(|own| *own.name == set.name)
+        };
+        let shape = |set: &PointSet| Shape::set(&set.name, set.points.iter().map(place).collect());
+        let shapes: Vec<Shape> = sets.iter().filter(named).map(shape).collect();
         for region in regions(plan) {
-            if let Shape::Set { name, .. } = region
-                && let Some(set) = sets.iter().find(|set| set.name == *name)
-            {
-                let place = |point: &u32| {
-                    let first = *point as usize * table.dimension;
-                    table.position[first..first + table.dimension].to_vec()
-                };
-                *region = Shape::set(&set.name, set.points.iter().map(place).collect());
+            let same = |own: &&Shape| match (own, &*region) {
+                (Shape::Set { name, .. }, Shape::Set { name: typed, .. }) => name == typed,
+                _ => false,
+            };
+            if let Some(own) = shapes.iter().find(same) {
+                *region = own.clone();
             }
         }
     }
@@ -105,7 +113,7 @@ fn names(sets: &[PointSet]) -> String {
 }
 
 /// Sets that the scene names as regions of points.
-fn typed_sets(scene: &Scene) -> Vec<&SetShape> {
+fn region_sets(scene: &Scene) -> Vec<&SetShape> {
     let materials = scene.materials.iter();
     let materials = materials.filter_map(|own| own.value.region.as_ref());
     let flow = scene.flow.iter().flat_map(|flow| &flow.regions);
@@ -117,7 +125,7 @@ fn typed_sets(scene: &Scene) -> Vec<&SetShape> {
 }
 
 /// Sets that the scene names as parts of a side.
-fn loaded_sets(scene: &Scene) -> Vec<&SetShape> {
+fn side_sets(scene: &Scene) -> Vec<&SetShape> {
     let loads = scene.mechanics.iter().flat_map(|own| own.loads.iter());
     let regions = loads.filter_map(|own| own.value.region.as_ref());
     regions.filter_map(|region| set_of(region)).collect()

@@ -37,12 +37,14 @@ impl Grid {
         // Every cell is written once, by the owner of its first point.
         let owned = |first: Option<&u32>| first.is_some_and(|first| own[*first as usize]);
         let mut kept = DualCells::default();
-        for (kind, corners) in cells.iter().filter(|(_, own)| owned(own.iter().min())) {
-            kept.push(kind, corners.iter().copied());
+        for (kind, corners) in cells.iter() {
+            if owned(corners.iter().min()) {
+                kept.push(kind, corners.iter().copied());
+            }
         }
         let solids = cells.solids.into_iter();
         kept.solids = solids
-            .filter(|own| owned(own.iter().flatten().min()))
+            .filter(|faces| owned(faces.iter().flatten().min()))
             .collect();
         let corners = kept
             .corners

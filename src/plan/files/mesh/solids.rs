@@ -16,9 +16,6 @@ struct Faces {
 /// Polyhedra whose corners are the cells around each inner node, by their faces, each a ring of the cells around
 /// an edge.
 pub(super) fn solids(mesh: &Mesh, topology: &Topology) -> Vec<Vec<Vec<u32>>> {
-    if topology.dimension != 3 {
-        return Vec::new();
-    }
     let faces = Faces::of(mesh, topology);
     let nodes = 0..mesh.nodes.len() as NodeNumber;
     let around = |node: NodeNumber| faces.around(node, topology.around(node));
