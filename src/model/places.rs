@@ -38,17 +38,16 @@ pub struct Faces<const D: usize> {
 }
 
 impl<const D: usize> Faces<D> {
-    /// Faces are next to a cut; a damaged band of half width `band` ends at them. `mirror` tells that the
-    /// crack lies on a plane of symmetry.
+    /// Values of faces come from the rock next to a cut, or beyond a damaged band of half width `band`, and go on
+    /// from there to the crack with its gradient: what the rock in the band is strained by is no opening. `mirror`
+    /// tells that the crack lies on a plane of symmetry.
     fn find(locator: &Locator<'_, D>, on: OnCrack<D>, band: f64, mirror: bool) -> Option<Self> {
         let side = |sign: f64| {
             let off = |x: &Vector<D>| {
                 let beyond = (x - on.at).dot(&on.normal) * sign;
                 beyond > 0.0 && beyond >= band
             };
-            let mut place = locator.place_among(on.at, off)?;
-            place.at += on.normal * (sign * band);
-            Some(place)
+            locator.place_among(on.at, off)
         };
         let (sides, mirrored) = match (side(1.0), side(-1.0)) {
             (Some(one), Some(other)) if !mirror => ([one, other], 0.0),

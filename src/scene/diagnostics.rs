@@ -114,6 +114,21 @@ impl SceneErrors {
         }
     }
 
+    /// The files that the faults are in; that of the scene where none of them has a place.
+    fn names(&self) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        let places = self.diagnostics.iter().filter_map(|fault| fault.place);
+        for (name, ..) in places.filter_map(|place| self.sources.locate(place)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        match names.is_empty() {
+            true => self.sources.name().to_owned(),
+            false => names.join(" and "),
+        }
+    }
+
     /// The whole report as text, with terminal colours or without.
     pub fn render(&self, colour: bool) -> String {
         let renderer = if colour {
@@ -123,7 +138,7 @@ impl SceneErrors {
         };
         let shown = self.diagnostics.iter().take(MOST_SHOWN);
         let mut parts: Vec<String> = shown.map(|d| d.render(&self.sources, &renderer)).collect();
-        let (count, name) = (self.diagnostics.len(), self.sources.name());
+        let (count, name) = (self.diagnostics.len(), self.names());
         if count > MOST_SHOWN {
             parts.push(format!(
                 "{count} errors in {name}, of which the first {MOST_SHOWN} are shown"
@@ -219,6 +234,22 @@ mod tests {
             text.ends_with("5000 errors in case.toml, of which the first 100 are shown"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn several_errors_are_counted_by_the_texts_they_are_in() {
+        let sources = sources();
+        let offset = sources.locate(Span { start: 0, end: 0 }).unwrap().1.len() + 1;
+        let fault = |start: usize| {
+            let end = start + 1;
+            Diagnostic::new(format!("fault {start}")).at(Span { start, end })
+        };
+        let set = [fault(offset), fault(offset + 2)];
+        let errors = SceneErrors::new(set.to_vec(), sources.clone());
+        assert!(errors.to_string().ends_with("2 errors in --set #1"));
+        let both = [fault(0), set[0].clone()];
+        let errors = SceneErrors::new(both.to_vec(), sources);
+        assert!(errors.to_string().ends_with("2 errors in case.toml and --set #1"));
     }
 
     #[test]

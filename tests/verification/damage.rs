@@ -100,6 +100,46 @@ fn a_damaged_band_opens_like_a_cut_crack() {
     assert!(summary.counters.newton_iterations <= 12);
 }
 
+/// A damaged crack in a block under 30 MPa across it, at any angle to the rows: its faces are together, however much
+/// the rock beside it is compressed.
+#[test]
+fn the_faces_of_a_closed_crack_do_not_overlap() {
+    for points in ["[[0.3, 0.5], [0.7, 0.5]]", "[[0.35, 0.4], [0.65, 0.6]]"] {
+        let plan = plan_of(&CLOSED.replace("POINTS", points), &[]);
+        let (summary, state) = try_run(&plan).unwrap();
+        let compressed = 30e6 / 22.2e9;
+        let jumps = openings(&model::<2>(&plan), &state, 0);
+        let overlap = jumps.iter().map(|jump| jump[0].abs()).fold(0.0, f64::max);
+        assert!(overlap < 1e-6 * compressed, "{points}: {overlap} m");
+        assert!(summary.displacement_max.unwrap() > 0.9 * compressed);
+    }
+}
+
+const CLOSED: &str = r#"title = "Closed crack"
+[geometry]
+type = "lattice"
+size = [1, 1]
+points = [25, 25]
+[materials.rock]
+youngs_modulus = "20 GPa"
+poissons_ratio = 0.2
+fracture_energy = "100 J/m^2"
+[mechanics.boundary]
+left = { roller = true }
+right = { roller = true }
+bottom = { roller = true }
+top = { traction = [0, "-30 MPa"] }
+[damage]
+friction = 10
+[cracks.main]
+kind = "damaged"
+points = POINTS
+[time]
+mode = "steady"
+[output]
+vtu = false
+"#;
+
 /// What a scene does not name is not there.
 #[test]
 fn without_damage_there_is_no_history_and_no_evaluation() {

@@ -294,12 +294,14 @@ fn a_pressure_below_zero_is_told_once_with_its_place_and_time_unless_it_is_meant
     );
 }
 
-/// Sneddon's penny: w = 8 (1 − ν²) p √(a² − r²) / (π E), less what the clamped block holds back.
+/// Sneddon's penny: w = 8 (1 − ν²) p √(a² − r²) / (π E). A band opens beyond its last broken points, the less the finer
+/// they are: 1.26, 1.13 and 1.08 times as far at radii of 3, 4.2 and 6 spacings.
 #[test]
 fn a_disc_has_its_opening_and_its_area() {
-    for spacing in [
-        "geometry.points=[10, 10, 10]",
-        "geometry.points=[14, 14, 14]",
+    let mut off = f64::INFINITY;
+    for (spacing, most) in [
+        ("geometry.points=[10, 10, 10]", 1.28),
+        ("geometry.points=[14, 14, 14]", 1.15),
     ] {
         let plan = plan("penny-3d", &[spacing]);
         let (summary, state) = try_run(&plan).unwrap();
@@ -312,7 +314,9 @@ fn a_disc_has_its_opening_and_its_area() {
         );
         let (found, exact) = penny(&plan, &state);
         println!("{spacing}: {found:.3e} m of {exact:.3e} m");
-        assert!((0.7..1.15).contains(&(found / exact)), "{found} {exact}");
+        assert!((1.0..most).contains(&(found / exact)), "{found} {exact}");
+        assert!(found / exact - 1.0 < 0.6 * off, "{found} {exact} {off}");
+        off = found / exact - 1.0;
     }
 }
 
