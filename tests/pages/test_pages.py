@@ -247,6 +247,7 @@ def test_a_phone_has_no_sideways_scroll(page):
     assert driver.execute_script("return document.documentElement.scrollWidth") <= 390
     root = chart(driver, "pressure over time")
     assert root.find_element(By.TAG_NAME, "canvas").rect["width"] > 250
+    assert pixels(driver, root, BLUE) > 100
     driver.quit()
 
 
