@@ -71,4 +71,4 @@ pub mod schemes;
 mod study;
 
 #[cfg(feature = "study")]
-pub use study::{StudyError, report_run};
+pub use study::{StudyError, draw_frames, report_run};

@@ -31,6 +31,10 @@ pub(crate) fn picture<'py>(
         scale: Scale::Linear,
         range: None,
         width_px: width,
+        axes: ["x", "y"],
+        lines: &[],
+        outlines: &[],
+        source: None,
     };
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("field.png");

@@ -46,7 +46,9 @@ impl Failure {
             Failure::Run(error) | Failure::Stopped(error, _) => run_code(error),
             Failure::Memory(_) | Failure::Output(_) => 1,
             #[cfg(feature = "study")]
-            Failure::Study(StudyError::Unsuited { .. } | StudyError::NoRun { .. }) => 2,
+            Failure::Study(
+                StudyError::Unsuited { .. } | StudyError::NoRun { .. } | StudyError::NoField { .. },
+            ) => 2,
             #[cfg(feature = "study")]
             Failure::Study(_) => 1,
             #[cfg(feature = "study")]

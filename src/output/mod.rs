@@ -31,8 +31,9 @@ pub use manifest::{LIST, Manifest, remove_results};
 #[cfg(feature = "plots")]
 pub use plots::lines_text;
 pub use plots::{
-    DRAWS, FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PathPlot, Scale, Series, WIDE,
-    animation_png, field_png, lines_svg, multiples_png, paths_svg,
+    About, DRAWS, FieldPlot, IsometricPlot, LinePlot, LineStyle, Multiples, NARROW, PICTURE_KEY,
+    PathPlot, PictureFacts, Scale, Series, SetupMark, SetupPlot, SideSign, Sign, Tile, WIDE,
+    animation_png, field_png, isometric_png, lines_svg, multiples_png, paths_svg, setup_png,
 };
 pub use pvd::Pvd;
 pub use pvtu::write_pvtu;

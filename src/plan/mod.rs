@@ -19,7 +19,9 @@ pub use exact::{
     exact_displacement, exact_flux, exact_opening, exact_pressure, exact_well_pressure,
     manufactured,
 };
-pub use files::{FileError, PointSet, PointTable, TableError, check_length, read_array};
+pub use files::{
+    FileError, PointFields, PointSet, PointTable, TableError, check_length, read_array, read_fields,
+};
 pub use lattice::lattice;
 pub use own::{ActsOn, Effect, OwnEffect, Points};
 pub use resolve::{resolve, resolve_any, resolve_for};

@@ -10,6 +10,7 @@ mod finish;
 mod fracture;
 mod job;
 mod place;
+mod quantities;
 mod range;
 mod rejections;
 mod restart;
@@ -32,6 +33,8 @@ pub use examine::{Examined, begin, examine};
 pub use fracture::Results;
 pub use job::{Job, Observer, Progress};
 pub use place::locate;
+#[cfg(feature = "study")]
+pub(crate) use quantities::{Quantity, named};
 pub use settings::{CheckpointRule, Settings};
 pub use summary::{CouplingReport, FieldError, Name, Summary, TimedErrors, WellReport};
 pub use time_loop::{run, run_job};

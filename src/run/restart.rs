@@ -114,7 +114,7 @@ impl<const D: usize> Run<'_, D> {
             scene: writer.resolved().to_owned(),
             base: self.base.clone(),
             state: self.state.clone(),
-            files: writer.record(self.plan),
+            files: writer.record(),
             course: Course {
                 start: self.plan.time.start,
                 reference: self.taken_over(),

@@ -30,7 +30,26 @@ pub enum StudyError {
         /// What is missing.
         reason: String,
     },
+    /// A run has no such field at its outputs.
+    #[error("{} has no field `{field}` at its outputs; {}", .folder.display(), choice(.known))]
+    NoField {
+        /// The folder of the run.
+        folder: PathBuf,
+        /// What was asked for.
+        field: String,
+        /// What there is.
+        known: Vec<String>,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
+}
+
+fn choice(known: &[String]) -> String {
+    match known.is_empty() {
+        true => {
+            "its pictures tell of no file with fields: run it with `output.plots = true`".to_owned()
+        }
+        false => format!("choose one of {}", known.join(", ")),
+    }
 }

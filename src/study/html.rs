@@ -1,34 +1,22 @@
-//! Pages that need nothing but themselves: no network, no script.
+//! Pages that need nothing but themselves: no network, and no script to be read.
 
 use super::findings::{ReportContent, Section, Table, count, plain, seconds, short};
 use super::{Coverage, Machine, Measured, Request, StudyCase};
 
-/// Screen, phone, print; colours of text and lines only, the drawings bring their own.
-const STYLE: &str = "\
-:root{color-scheme:light}*{box-sizing:border-box}\
-body{margin:0 auto;max-width:66rem;padding:1rem;background:#fff;color:#1a1a1a;\
-font:16px/1.5 'DejaVu Sans',Verdana,system-ui,sans-serif;overflow-wrap:break-word}\
-h1{font-size:1.6rem;line-height:1.2;margin:.5rem 0}h2{font-size:1.25rem;margin:2rem 0 .5rem}\
-p,ul{margin:.5rem 0}li{margin:.2rem 0}.note{color:#555;font-size:.9rem}\
-.lead{border-left:4px solid #0072b2;padding:.2rem 0 .2rem 1rem;list-style:none;margin-left:0}\
-figure{margin:1rem 0}.wide{overflow-x:auto}\
-figure svg{display:block;width:100%;height:auto}figure .narrow{display:none}\
-figure img{display:block;max-width:100%;height:auto}\
-figcaption,.caption{color:#555;font-size:.9rem;text-align:left;padding:.3rem 0}\
-.caption{margin:1rem 0 0}table{border-collapse:collapse;font-size:.8rem;width:100%}\
-th,td{padding:.3rem .5rem .3rem 0;border-bottom:1px solid #ddd;text-align:left;vertical-align:top}\
-th{border-bottom:2px solid #999}td{font-variant-numeric:tabular-nums}th,td{min-width:5rem}th{overflow-wrap:anywhere}\
-th.whole,td.whole{white-space:nowrap;min-width:0}\
-code{font-size:.85em;overflow-wrap:anywhere}details{margin:1rem 0}summary{cursor:pointer}\
-@media screen and (max-width:48rem){figure .broad{display:none}figure .narrow{display:block}\
-thead{display:none}tr{display:block;border-bottom:2px solid #999;padding:.4rem 0}\
-td{display:flex;gap:1rem;border:0;padding:.1rem 0;min-width:0}td.whole{white-space:normal}\
-td::before{content:attr(data-name);flex:0 0 8.5rem;color:#555}}\
-@media print{body{max-width:none;padding:0;font-size:11px}figure,tr{break-inside:avoid}\
-h1{font-size:18px}h2{font-size:14px;margin:1rem 0 .3rem}.note,figcaption,.caption{font-size:10px}\
-h2,.caption{break-after:avoid}thead{display:table-header-group}table{font-size:8px}\
-figure svg{max-width:16cm}th,td{min-width:4rem;padding-right:.3rem}\
-.wide{overflow:visible}details>*{display:block}}";
+/// Screen, phone, print.
+const STYLE: &str = include_str!("page/page.css");
+
+/// What makes charts and fields answer; pages read without it.
+const SCRIPT: &str = include_str!("page/page.js");
+
+/// Chart.js 4.6.1, which draws charts that answer.
+const CHARTS: &str = include_str!("page/chart.js/chart.umd.min.js");
+
+/// Mark of a drawing that carries its numbers.
+const NUMBERS: &str = "<metadata>";
+
+/// Start of a picture of a field over time.
+pub(super) const FIELDS: &str = "<section class=\"fields\">";
 
 /// Text with what HTML would take as its own replaced.
 pub(super) fn escape(text: &str) -> String {
@@ -38,13 +26,23 @@ pub(super) fn escape(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// A whole page.
+/// A whole page, with scripts where something in it answers to them.
 pub(super) fn page(title: &str, body: &str) -> String {
+    let charts = body.contains(NUMBERS);
+    // Its last line names a file that pages do not have.
+    let library = CHARTS.rsplit_once("\n//#").map_or(CHARTS, |(code, _)| code);
+    let mut scripts = String::new();
+    for (script, _) in [(library, charts), (SCRIPT, charts || body.contains(FIELDS))]
+        .into_iter()
+        .filter(|(_, wanted)| *wanted)
+    {
+        scripts += &format!("<script>{script}</script>\n");
+    }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{0}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{body}</body>\n\
-         </html>\n",
+         <title>{0}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{body}{scripts}\
+         </body>\n</html>\n",
         escape(title)
     )
 }

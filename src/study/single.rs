@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::findings::{Table, count, seconds, short};
 use super::html::{escape, figure, page, paragraph, table};
-use super::{Machine, StudyError};
+use super::{Machine, StudyError, fields, scene};
 use crate::output::{Manifest, OutputError, write_atomically};
 use crate::run::{Name, Summary};
 
@@ -19,19 +19,18 @@ use crate::run::{Name, Summary};
 /// [`StudyError::NoRun`] if the folder has no readable summary.json, [`StudyError::Output`] if the
 /// page cannot be written.
 pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
-    let no_run = |reason: String| StudyError::NoRun {
-        folder: folder.to_owned(),
-        reason,
-    };
-    let text = std::fs::read_to_string(folder.join("summary.json"))
-        .map_err(|error| no_run(format!("summary.json: {error}")))?;
-    let run: Summary =
-        serde_json::from_str(&text).map_err(|error| no_run(format!("summary.json: {error}")))?;
-    let scene = std::fs::read_to_string(folder.join("resolved.toml")).unwrap_or_default();
+    let run = summary(folder)?;
+    let text = std::fs::read_to_string(folder.join("resolved.toml")).unwrap_or_default();
+    let paths = listed(folder)?;
     let mut body = head(&run);
     body += &warnings(&run);
     body += &errors(&run);
-    body += &pictures(folder)?;
+    body += &format!("<h2>Scene</h2>\n{}", pictures(&paths, &SETUP)?);
+    body += &scene::tables(&text);
+    body += &scene::text(&text);
+    body += &pictures(&paths, &WORK)?;
+    body += &fields::fields(&paths, run.dimension)?;
+    body += &pictures(&paths, &REST)?;
     let units = &run.units;
     body += &values("Balances", "balance", &run.balance, units);
     body += &values(
@@ -45,20 +44,28 @@ pub fn report_run(folder: &Path) -> Result<PathBuf, StudyError> {
     body += &values("Stability limit", "limit", &run.limit, units);
     body += &values("Counters", "counters", &run.counters, units);
     body += &values("Seconds per phase", "timers", &run.timers, units);
-    if !scene.is_empty() {
-        body += &format!(
-            "<h2>Scene</h2>\n<details><summary>resolved.toml: running it again gives the same \
-             bits</summary><pre class=\"wide\">{}</pre></details>\n",
-            escape(&scene)
-        );
-    }
-    let title = format!("Run of {}", run.case);
+    let name = scene::title(&text).map_or_else(String::new, |title| format!(": {title}"));
+    let title = format!("Run of {}{name}", run.case);
     let place = folder.join("report.html");
     let page = page(&title, &body);
     // The next run replaces the page too: it would show results that are gone.
     let _list = Manifest::resume(folder)?;
     write_atomically(&place, |out| out.write_all(page.as_bytes()))?;
     Ok(place)
+}
+
+/// What a run found.
+///
+/// # Errors
+/// [`StudyError::NoRun`] if the folder has no readable summary.json.
+pub(super) fn summary(folder: &Path) -> Result<Summary, StudyError> {
+    let no_run = |reason: String| StudyError::NoRun {
+        folder: folder.to_owned(),
+        reason: format!("summary.json: {reason}"),
+    };
+    let text = std::fs::read_to_string(folder.join("summary.json"))
+        .map_err(|error| no_run(error.to_string()))?;
+    serde_json::from_str(&text).map_err(|error| no_run(error.to_string()))
 }
 
 fn head(run: &Summary) -> String {
@@ -131,29 +138,49 @@ fn errors(run: &Summary) -> String {
     }
 }
 
-/// Profiles and histories first, then the fields; drawings as they are, pictures as data.
-fn pictures(folder: &Path) -> Result<String, StudyError> {
+/// A part of the page: its heading, and start and end of the names of its pictures.
+type Part = (&'static str, &'static str, &'static str);
+
+/// Points and conditions, and what the rock was like.
+const SETUP: [Part; 2] = [("", "setup", "png"), ("", "permeability", "png")];
+
+/// What the work was.
+const WORK: [Part; 2] = [
+    ("Force and displacement", "force-", "svg"),
+    ("Cracks over time", "history-crack-", "svg"),
+];
+
+/// What else was drawn.
+const REST: [Part; 5] = [
+    ("Profiles", "profile-", "svg"),
+    ("Cracks", "crack-", "svg"),
+    ("Crack surface", "crack-surface", "png"),
+    ("Damage over time", "damage-over-time", "png"),
+    ("Histories", "history-", "svg"),
+];
+
+/// Files in the folder of a run, in the order of their names.
+pub(super) fn listed(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let entries =
         std::fs::read_dir(folder).map_err(|error| OutputError::from_io(folder, "list", error))?;
     let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
     paths.sort();
+    Ok(paths)
+}
+
+/// Drawings as they are, pictures as data.
+fn pictures(paths: &[PathBuf], parts: &[Part]) -> Result<String, StudyError> {
     let mut text = String::new();
-    for (title, start, end) in [
-        ("Profiles", "profile-", "svg"),
-        ("Cracks", "crack-", "svg"),
-        ("Histories", "history-", "svg"),
-        ("Fields", "", "png"),
-    ] {
+    for (title, start, end) in parts {
         let own: Vec<&PathBuf> = paths.iter().filter(|path| fits(path, start, end)).collect();
-        if own.is_empty() {
-            continue;
+        if !own.is_empty() && !title.is_empty() {
+            text += &format!("<h2>{title}</h2>\n");
         }
-        text += &format!("<h2>{title}</h2>\n");
         for path in own {
             let bytes =
                 std::fs::read(path).map_err(|error| OutputError::from_io(path, "read", error))?;
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            text += &match end {
+            text += &match *end {
                 "svg" => figure(&String::from_utf8_lossy(&bytes), None, &name),
                 _ => image(&bytes, &name),
             };
@@ -164,7 +191,12 @@ fn pictures(folder: &Path) -> Result<String, StudyError> {
 
 fn fits(path: &Path, start: &str, end: &str) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with(start) && path.extension().is_some_and(|extension| extension == end)
+    // What has a part of its own is not shown again.
+    let own = |part: &&Part| part.1.len() > start.len() && name.starts_with(part.1);
+    let elsewhere = start.starts_with("history-") && WORK.iter().any(|part| own(&part));
+    name.starts_with(start)
+        && !elsewhere
+        && path.extension().is_some_and(|extension| extension == end)
 }
 
 fn image(bytes: &[u8], name: &str) -> String {

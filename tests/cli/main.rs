@@ -17,6 +17,7 @@ mod interrupt;
 mod limits;
 mod listings;
 mod mutations;
+mod pages;
 mod processes;
 mod repeats;
 mod restart;

@@ -30,6 +30,7 @@ fn a_run_writes_these_files_and_no_others() {
         "profile-across.csv",
         "profile-across.svg",
         "resolved.toml",
+        "setup.png",
         "summary.json",
     ];
     assert_eq!(place.list("out"), expected);

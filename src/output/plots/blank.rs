@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{FieldPlot, LinePlot, Multiples, PathPlot};
+use super::{FieldPlot, IsometricPlot, LinePlot, Multiples, PathPlot, SetupPlot};
 use crate::output::OutputError;
 
 /// Functions that draw nothing, whatever they are given.
@@ -23,5 +23,7 @@ draw_nothing!(
     multiples_png(Multiples<'_>),
     animation_png(Multiples<'_>, f64),
     lines_svg(LinePlot<'_>),
-    paths_svg(PathPlot<'_>)
+    paths_svg(PathPlot<'_>),
+    isometric_png(IsometricPlot<'_>),
+    setup_png(SetupPlot<'_>)
 );

@@ -13,16 +13,26 @@
 mod blank;
 #[cfg(feature = "plots")]
 mod drawing;
+mod isometric;
+mod setup;
 mod subject;
 #[cfg_attr(not(feature = "plots"), allow(dead_code))]
 mod units;
 
 #[cfg(not(feature = "plots"))]
-pub use blank::{animation_png, field_png, lines_svg, multiples_png, paths_svg};
+pub use blank::{
+    animation_png, field_png, isometric_png, lines_svg, multiples_png, paths_svg, setup_png,
+};
 #[cfg(feature = "plots")]
-pub use drawing::{animation_png, field_png, lines_svg, lines_text, multiples_png, paths_svg};
+pub use drawing::{
+    animation_png, field_png, isometric_png, lines_svg, lines_text, multiples_png, paths_svg,
+    setup_png,
+};
+pub use isometric::{IsometricPlot, Tile};
+pub use setup::{About, SetupMark, SetupPlot, SideSign, Sign};
 pub use subject::{
-    FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PathPlot, Scale, Series, WIDE,
+    FieldPlot, LinePlot, LineStyle, Multiples, NARROW, PICTURE_KEY, PathPlot, PictureFacts, Scale,
+    Series, WIDE,
 };
 pub use units::readable_time;
 

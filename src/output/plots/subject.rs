@@ -29,6 +29,8 @@ pub struct FieldPlot<'a> {
     pub dimension: usize,
     /// Edge of the square cell of each point, m. Shape `(points,)`.
     pub sizes: &'a [f64],
+    /// Corners of the cell of each point, m, where cells are no squares; empty otherwise.
+    pub outlines: &'a [Vec<[f64; 2]>],
     /// Values. Shape `(points,)`. Those that are not finite are drawn in grey.
     pub values: &'a [f64],
     /// Simulated time, s.
@@ -39,7 +41,41 @@ pub struct FieldPlot<'a> {
     pub range: Option<(f64, f64)>,
     /// Width of the picture, px; 400 to 8000, the height follows.
     pub width_px: u32,
+    /// Names of the two axes, such as `x` and `y`.
+    pub axes: [&'a str; 2],
+    /// Lines over the field, corner by corner, m, such as cracks. Parts outside the picture are not drawn.
+    pub lines: &'a [Vec<[f64; 2]>],
+    /// File beside the picture that has the values; the picture then tells it with the place of its frame.
+    pub source: Option<&'a str>,
 }
+
+/// What stands in a PNG picture beside its pixels, as JSON under [`PICTURE_KEY`]: which place is which pixel.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PictureFacts {
+    /// Title.
+    pub title: String,
+    /// SI unit of the values.
+    pub unit: String,
+    /// Simulated time, s; none in a steady state.
+    pub time: Option<f64>,
+    /// Names of the axes.
+    pub axes: [String; 2],
+    /// Width and height of the picture, px.
+    pub size: [f64; 2],
+    /// Left and upper end, width and height of the frame, px.
+    pub frame: [f64; 4],
+    /// Left, right, lower and upper end of what the frame shows, m.
+    pub window: [f64; 4],
+    /// Values at the ends of the colour bar.
+    pub range: [f64; 2],
+    /// Lines over the field, corner by corner, m.
+    pub lines: Vec<Vec<[f64; 2]>>,
+    /// File with the values.
+    pub source: String,
+}
+
+/// Keyword of [`PictureFacts`] in a PNG file.
+pub const PICTURE_KEY: &str = "perifrac";
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -101,6 +137,8 @@ pub struct Multiples<'a> {
     pub positions: &'a [f64],
     /// Edge of the square cell of each point, m. Shape `(points,)`.
     pub sizes: &'a [f64],
+    /// Corners of the cell of each point, m, where cells are no squares; empty otherwise.
+    pub outlines: &'a [Vec<[f64; 2]>],
     /// Simulated time, s, and values of each frame in the order shown. Shape of the values:
     /// `(points,)`. Those that are not finite are drawn in grey.
     pub frames: &'a [(f64, Vec<f64>)],
@@ -110,6 +148,10 @@ pub struct Multiples<'a> {
     pub range: Option<[f64; 2]>,
     /// Width of the picture, px; 400 to 8000, the height follows.
     pub width_px: u32,
+    /// Names of the two axes, such as `x` and `y`.
+    pub axes: [&'a str; 2],
+    /// Lines over all frames, corner by corner, m, such as cracks.
+    pub lines: &'a [Vec<[f64; 2]>],
 }
 
 /// Cracks in a plane domain: those there from the start, and where the material broke later.

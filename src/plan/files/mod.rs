@@ -25,7 +25,7 @@ pub use order::{FieldTable, check_cells, check_length};
 pub use property::Property;
 pub use table::{PointTable, TableError};
 pub use values::{Allowed, fault};
-pub use vtu::read_array;
+pub use vtu::{PointFields, read_array, read_fields};
 
 /// Reads points from a `.csv` or `.vtu` file.
 ///

@@ -131,6 +131,7 @@ impl Resolver<'_> {
             mesh: Some(Box::new(MeshPlan {
                 sets: mesh.sets,
                 dual: mesh.dual,
+                outlines: mesh.outlines,
                 side_area: mesh.side_area,
                 surface: mesh.surface,
             })),

@@ -155,6 +155,8 @@ pub struct MeshPlan {
     pub sets: Vec<PointSet>,
     /// Cells whose corners are the points.
     pub dual: DualCells,
+    /// Corners of each cell of a plane mesh in their order, m; empty in space.
+    pub outlines: Vec<Vec<[f64; 2]>>,
     /// Area of the cells on each side of the bounds, m^(D−1); shape `(2D,)`, low and high side of each axis.
     pub side_area: Vec<f64>,
     /// Balls that touch the free surfaces from outside, one for each face: centre and radius, m.

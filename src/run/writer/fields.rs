@@ -23,7 +23,20 @@ struct Array<'a> {
     values: Cow<'a, [f64]>,
 }
 
+/// Fields that stay as they are, and that nothing is drawn from at an output.
+const CONSTANT: [&str; 2] = ["permeability", "material_id"];
+
 impl Array<'_> {
+    /// The same field with other values.
+    fn with<'b>(&self, values: Cow<'b, [f64]>) -> Array<'b> {
+        Array {
+            name: self.name,
+            unit: self.unit,
+            components: self.components,
+            values,
+        }
+    }
+
     fn field(&self) -> Field<'_> {
         Field {
             name: self.name,
@@ -43,21 +56,19 @@ pub(super) struct Snapshot<'a> {
 }
 
 impl<'a> Snapshot<'a> {
-    /// Takes the fields at the points of `grid`. Of several processes all must call this together.
-    pub(super) fn take<const D: usize>(model: &'a Model<D>, state: &'a State, grid: &Grid) -> Self {
+    /// Takes the fields at all points. Of several processes all must call this together.
+    pub(super) fn take<const D: usize>(model: &'a Model<D>, state: &'a State) -> Self {
         let mut arrays = arrays(model, state);
-        let mut positions = model.cloud.flat_positions();
-        if grid.ghosts.is_some() {
-            positions = of_points(&positions, D, &grid.points);
+        if model.subdomain().partition().is_some() {
             for array in &mut arrays {
                 let mut values = std::mem::take(&mut array.values).into_owned();
                 model.subdomain().complete(&mut values, array.components);
-                array.values = of_points(&values, array.components, &grid.points).into();
+                array.values = values.into();
             }
         }
         Snapshot {
             arrays,
-            positions,
+            positions: model.cloud.flat_positions(),
             dimension: D,
             time: state.time,
         }
@@ -68,9 +79,12 @@ impl<'a> Snapshot<'a> {
     /// # Errors
     /// Those of [`write_vtu`].
     pub(super) fn write(&self, path: &Path, grid: &Grid) -> Result<(), OutputError> {
-        let fields: Vec<Field<'_>> = self.arrays.iter().map(Array::field).collect();
+        let whole = grid.points.len() * self.dimension == self.positions.len();
+        let some = (!whole || grid.ghosts.is_some()).then(|| self.at(&grid.points));
+        let own = some.as_ref().unwrap_or(self);
+        let fields: Vec<Field<'_>> = own.arrays.iter().map(Array::field).collect();
         let data = VtuData {
-            positions: &self.positions,
+            positions: &own.positions,
             dimension: self.dimension,
             time: self.time,
             cells: grid.cells(),
@@ -79,6 +93,34 @@ impl<'a> Snapshot<'a> {
             ghosts: grid.ghosts,
         };
         write_vtu(path, &data)
+    }
+}
+
+impl Snapshot<'_> {
+    /// The fields that pictures of outputs are drawn from.
+    pub(super) fn drawn(&self) -> Snapshot<'_> {
+        let varies = |array: &&Array<'_>| !CONSTANT.contains(&array.name);
+        let arrays = self.arrays.iter().filter(varies);
+        Snapshot {
+            arrays: arrays
+                .map(|array| array.with(Cow::Borrowed(&array.values)))
+                .collect(),
+            positions: self.positions.clone(),
+            ..*self
+        }
+    }
+
+    /// The fields at some points.
+    fn at(&self, points: &[u32]) -> Snapshot<'static> {
+        let own = |array: &Array<'_>| {
+            array.with(of_points(&array.values, array.components, points).into())
+        };
+        Snapshot {
+            arrays: self.arrays.iter().map(own).collect(),
+            positions: of_points(&self.positions, self.dimension, points),
+            dimension: self.dimension,
+            time: self.time,
+        }
     }
 }
 

@@ -3,94 +3,85 @@
 use std::path::Path;
 
 use super::super::fracture::CrackTracker;
-use super::pictures::{damage_of, shown_points};
+use super::pictures::{Frame, Pictures};
 use crate::model::Model;
 use crate::output::{
     Multiples, OutputError, PathPlot, Scale, animation_png, multiples_png, paths_svg,
 };
 use crate::plan::{CrackKind, Plan};
-use crate::schemes::State;
+use crate::run::quantities::drawn;
 
 /// Panels of the picture over time.
 const PANELS: usize = 12;
 const WIDTH: u32 = 1400;
 const SECONDS_PER_FRAME: f64 = 0.6;
 
-/// Damage at the outputs so far.
-#[derive(Debug, Default)]
-pub(super) struct Animation {
-    pub(super) frames: Vec<(f64, Vec<f64>)>,
+/// Draws damage at all outputs, and in a plane where rock broke when; nothing without damage.
+///
+/// # Errors
+/// Those of the pictures.
+pub(super) fn draw<const D: usize>(
+    pictures: &Pictures<'_, D>,
+    outputs: usize,
+    tracker: &CrackTracker,
+) -> Result<(), OutputError> {
+    if film(pictures, outputs)? && D == 2 {
+        draw_path(pictures.folder, pictures.plan, pictures.model, tracker)?;
+    }
+    Ok(())
 }
 
-impl Animation {
-    /// Keeps the damage of an output.
-    pub(super) fn record<const D: usize>(&mut self, model: &Model<D>, state: &State) {
-        let damage = damage_of(model, state);
-        if damage.is_empty() {
-            return;
-        }
-        let shown = shown_points(model).into_iter();
-        self.frames
-            .push((state.time, shown.map(|point| damage[point]).collect()));
+/// Draws damage at all outputs as panels and as an animation; whether there is any.
+fn film<const D: usize>(pictures: &Pictures<'_, D>, outputs: usize) -> Result<bool, OutputError> {
+    let Pictures {
+        folder,
+        plan,
+        model,
+        sections,
+    } = *pictures;
+    let [.., damage] = drawn(D);
+    let Some(section) = sections.all.first().filter(|_| plan.damage.is_some()) else {
+        return Ok(false);
+    };
+    let frames = pictures.frames(&damage, outputs)?;
+    if frames.is_empty() {
+        return Ok(false);
     }
-
-    /// Draws what was kept, and where rock broke when.
-    ///
-    /// # Errors
-    /// Those of the pictures.
-    pub(super) fn draw<const D: usize>(
-        &self,
-        folder: &Path,
-        plan: &Plan,
-        model: &Model<D>,
-        tracker: &CrackTracker,
-    ) -> Result<(), OutputError> {
-        if self.frames.is_empty() {
-            return Ok(());
-        }
-        let cloud = &model.cloud;
-        let shown = shown_points(model);
-        let place = |point: &usize| [cloud.position[*point][0], cloud.position[*point][1]];
-        let positions: Vec<f64> = shown.iter().flat_map(place).collect();
-        let size = |point: &usize| cloud.cell[*point].fixed_rows::<2>(0).max();
-        let sizes: Vec<f64> = shown.iter().map(size).collect();
-        let panels = self.thinned();
+    let panels = thinned(&frames);
+    let film = Multiples {
+        title: &format!("{}: damage{}", plan.title, section.name()),
+        unit: "1",
+        positions: &section.positions(model),
+        sizes: &section.sizes(model),
+        frames: &panels,
+        scale: Scale::Linear,
+        range: damage.range,
+        width_px: WIDTH,
+        axes: section.axes(),
+        lines: &section.cracks(plan),
+        outlines: section.outlines(plan),
+    };
+    multiples_png(folder.join("damage-over-time.png"), &film)?;
+    if frames.len() > 1 {
         let film = Multiples {
-            title: &format!("{}: damage", plan.title),
-            unit: "1",
-            positions: &positions,
-            sizes: &sizes,
-            frames: &panels,
-            scale: Scale::Linear,
-            range: Some([0.0, 1.0]),
-            width_px: WIDTH,
+            frames: &frames,
+            width_px: WIDTH / 2,
+            ..film
         };
-        multiples_png(folder.join("damage-over-time.png"), &film)?;
-        if self.frames.len() > 1 {
-            let film = Multiples {
-                frames: &self.frames,
-                width_px: WIDTH / 2,
-                ..film
-            };
-            animation_png(
-                folder.join("damage-animation.png"),
-                &film,
-                SECONDS_PER_FRAME,
-            )?;
-        }
-        if D == 2 {
-            draw_path(folder, plan, model, tracker)
-        } else {
-            Ok(())
-        }
+        animation_png(
+            folder.join("damage-animation.png"),
+            &film,
+            SECONDS_PER_FRAME,
+        )?;
     }
+    Ok(true)
+}
 
-    /// As many frames as there are panels, the first and the last among them.
-    fn thinned(&self) -> Vec<(f64, Vec<f64>)> {
-        let (all, most) = (self.frames.len(), PANELS.min(self.frames.len()));
-        let pick = |k: usize| self.frames[k * (all - 1) / (most - 1).max(1)].clone();
-        (0..most).map(pick).collect()
-    }
+/// As many frames as there are panels, the first and the last among them.
+fn thinned(frames: &[Frame]) -> Vec<Frame> {
+    let (all, most) = (frames.len(), PANELS.min(frames.len()));
+    let pick = |k: usize| frames[k * (all - 1) / (most - 1).max(1)].clone();
+    (0..most).map(pick).collect()
 }
 
 fn draw_path<const D: usize>(

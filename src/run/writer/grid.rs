@@ -61,6 +61,12 @@ impl Grid {
         Grid::new(points, Some(needed.len()), &kept, count)
     }
 
+    /// Points alone.
+    pub(super) fn of_points(points: &[u32]) -> Self {
+        let count = points.iter().max().map_or(0, |most| *most as usize + 1);
+        Grid::new(points.to_vec(), None, &DualCells::default(), count)
+    }
+
     /// Numbers corners by the places of their points in the file, and adds points without a cell.
     fn new(points: Vec<u32>, ghosts: Option<usize>, cells: &DualCells, count: usize) -> Self {
         let mut place = vec![u32::MAX; count];

@@ -10,6 +10,9 @@ mod histories;
 mod pictures;
 mod profiles;
 mod restart;
+mod sections;
+mod setup;
+mod space;
 mod staged;
 
 use std::path::{Path, PathBuf};
@@ -27,10 +30,11 @@ use cracks::Cracks;
 use fields::Snapshot;
 pub(super) use fields::values as field_values;
 use folder::Hold;
-use fracture::Animation;
 use grid::Grid;
+use pictures::Pictures;
 use profiles::Profiles;
 pub(super) use restart::WriterRecord;
+use sections::Sections;
 pub use staged::StagedFolder;
 
 /// Writes the files of one run into its folder.
@@ -48,7 +52,8 @@ pub struct Writer {
     cracks: Option<Cracks>,
     /// Lines of the cracks, from the first output on.
     crack_lines: Option<CrackLines>,
-    film: Animation,
+    /// What pictures show, from the first output on.
+    sections: Option<Sections>,
     outputs: usize,
     /// Accepted states so far, the first one included, and of how many one has a row.
     seen: u64,
@@ -91,7 +96,7 @@ impl Writer {
             profiles: None,
             cracks: None,
             crack_lines: None,
-            film: Animation::default(),
+            sections: None,
             outputs: 0,
             seen: 0,
             stride: 1,
@@ -195,16 +200,25 @@ impl Writer {
     ) -> Result<(), OutputError> {
         let number = self.outputs;
         self.outputs += 1;
-        if !plan.output.vtu {
+        let draws = plan.output.plots && DRAWS;
+        if !plan.output.vtu && !draws {
             return Ok(());
         }
-        let grid = self.grid.get_or_insert_with(|| Grid::of(plan, model));
         // Values are exchanged before anything can fail in one process alone.
-        let snapshot = Snapshot::take(model, state, grid);
+        let snapshot = Snapshot::take(model, state);
         self.hold.list()?;
-        let rank = model.subdomain().partition().map(|own| own.team().rank());
-        let path = self.folder.join(piece_name(number, rank));
-        snapshot.write(&path, grid)
+        if plan.output.vtu {
+            let grid = self.grid.get_or_insert_with(|| Grid::of(plan, model));
+            let rank = model.subdomain().partition().map(|own| own.team().rank());
+            let path = self.folder.join(piece_name(number, rank));
+            snapshot.write(&path, grid)?;
+        }
+        if draws && self.leads {
+            let sections = &mut self.sections;
+            let sections = sections.get_or_insert_with(|| Sections::of(plan, model));
+            sections.write((&self.folder, number), &snapshot)?;
+        }
+        Ok(())
     }
 
     /// Completes an output of which all pieces are there: indices, pictures and profiles.
@@ -225,8 +239,7 @@ impl Writer {
             self.collect(number, plan, model, state)?;
         }
         if plan.output.plots {
-            pictures::of_output(&self.folder, number, plan, model, state)?;
-            self.film.record(model, state);
+            self.pictures(plan, model, |pictures| pictures.of_output(number))?;
         }
         if let Some(cracks) = &mut self.cracks {
             cracks.record(plan, model, state)?;
@@ -285,9 +298,41 @@ impl Writer {
         if let Some(cracks) = &self.cracks {
             cracks.draw(plan)?;
         }
-        self.film.draw(&self.folder, plan, model, tracker)?;
-        pictures::of_permeability(&self.folder, model)?;
+        self.pictures(plan, model, |pictures| {
+            pictures.of_run(self.outputs)?;
+            pictures.of_permeability()?;
+            setup::draw(pictures)?;
+            fracture::draw(pictures, self.outputs, tracker)?;
+            space::draw(pictures, self.outputs, tracker)
+        })?;
         histories::draw::<D>(&self.folder, plan, &self.rows)
+    }
+
+    /// Draws pictures of fields, in a build that draws.
+    fn pictures<const D: usize>(
+        &self,
+        plan: &Plan,
+        model: &Model<D>,
+        draw: impl FnOnce(&Pictures<'_, D>) -> Result<(), OutputError>,
+    ) -> Result<(), OutputError> {
+        if !DRAWS {
+            return Ok(());
+        }
+        let made;
+        let sections = match &self.sections {
+            Some(sections) => sections,
+            // A run that goes on may have nothing left to write.
+            None => {
+                made = Sections::of(plan, model);
+                &made
+            }
+        };
+        draw(&Pictures {
+            folder: &self.folder,
+            plan,
+            model,
+            sections,
+        })
     }
 
     /// Writes summary.json.

@@ -1,143 +1,293 @@
-//! Pictures of fields: the whole plane in 2-D, the middle layer of points in 3-D.
+//! Pictures of fields: the whole plane in 2-D, three sections in 3-D.
+//!
+//! A picture is drawn when its output is there, and again at the end of the run in the colours of all outputs.
 
 use std::path::Path;
 
+use super::sections::{Section, Sections};
 use crate::model::Model;
 use crate::output::{FieldPlot, OutputError, Scale, field_png};
-use crate::plan::{Plan, TimeMode};
-use crate::schemes::State;
+use crate::plan::{Plan, PointFields, TimeMode};
+use crate::run::quantities::{Quantity, drawn};
 
 const PICTURE_WIDTH: u32 = 900;
 
-/// What a picture shows.
+/// Share of the longest edge of the domain that the largest displacement has in pictures of the deformed shape.
+const DEFORMATION: f64 = 0.08;
+
+/// What all pictures of a run have in common.
+pub(super) struct Pictures<'a, const D: usize> {
+    pub(super) folder: &'a Path,
+    pub(super) plan: &'a Plan,
+    pub(super) model: &'a Model<D>,
+    pub(super) sections: &'a Sections,
+}
+
+/// Time, s, and values of a quantity at an output.
+pub(super) type Frame = (f64, Vec<f64>);
+
+/// What one picture shows.
 struct Picture<'a> {
     file: &'a str,
     title: &'a str,
     unit: &'a str,
+    section: &'a Section,
+    positions: &'a [f64],
     values: &'a [f64],
+    lines: &'a [Vec<[f64; 2]>],
+    outlines: &'a [Vec<[f64; 2]>],
     time: Option<f64>,
     scale: Scale,
+    range: Option<[f64; 2]>,
+    source: Option<&'a str>,
 }
 
-/// Draws the fields of output `number`: pressure, and how far every point has moved.
-///
-/// # Errors
-/// Those of [`field_png`].
-pub(super) fn of_output<const D: usize>(
-    folder: &Path,
-    number: usize,
-    plan: &Plan,
-    model: &Model<D>,
-    state: &State,
-) -> Result<(), OutputError> {
-    let damage = damage_of(model, state);
-    let moved: Vec<f64> = state.shown_displacement().chunks(D).map(length).collect();
-    let all = [
-        ("pressure", "Pa", &state.pressure),
-        ("displacement", "m", &moved),
-        ("damage", "1", &damage),
-    ];
-    for (title, unit, values) in all.into_iter().filter(|(_, _, v)| !v.is_empty()) {
-        let picture = Picture {
-            file: &format!("{title}-{number:04}.png"),
-            title,
-            unit,
-            values,
-            time: (plan.time.mode == TimeMode::Transient).then_some(state.time),
-            scale: Scale::Linear,
+impl<const D: usize> Pictures<'_, D> {
+    /// Draws the fields of output `number`, in colours of its own.
+    ///
+    /// # Errors
+    /// Those of [`field_png`], [`OutputError::Malformed`] if the fields cannot be read.
+    pub(super) fn of_output(&self, number: usize) -> Result<(), OutputError> {
+        for section in &self.sections.all {
+            if let Some(fields) = self.sections.read(self.folder, section, number)? {
+                self.of_section(section, number, &fields, &[None; 4])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws all outputs again, each quantity in the same colours, and the deformed shape.
+    ///
+    /// # Errors
+    /// Those of [`Pictures::of_output`].
+    pub(super) fn of_run(&self, outputs: usize) -> Result<(), OutputError> {
+        let mut ranges = [None; 4];
+        let mut farthest = 0.0_f64;
+        let all = || {
+            let sections = self.sections.all.iter();
+            sections.flat_map(|section| (0..outputs).map(move |number| (section, number)))
         };
-        draw(folder, model, &picture)?;
+        for (section, number) in all() {
+            if let Some(fields) = self.sections.read(self.folder, section, number)? {
+                for (range, quantity) in ranges.iter_mut().zip(drawn(D)) {
+                    let values = quantity.of(&fields).unwrap_or_default();
+                    if quantity.file == "displacement" {
+                        farthest = values.iter().copied().fold(farthest, f64::max);
+                    }
+                    *range = joined(*range, quantity.spread(values.into_iter()));
+                }
+            }
+        }
+        let factor = self.factor(farthest);
+        for (section, number) in all() {
+            if let Some(fields) = self.sections.read(self.folder, section, number)? {
+                if outputs > 1 {
+                    self.of_section(section, number, &fields, &ranges)?;
+                }
+                if let Some(factor) = factor {
+                    self.deformed(section, number, &fields, (factor, &ranges))?;
+                }
+            }
+        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Damage per point; empty without damage.
-pub(super) fn damage_of<const D: usize>(model: &Model<D>, state: &State) -> Vec<f64> {
-    let damage = model.solid.as_ref().and_then(|solid| solid.damage.as_ref());
-    damage.map_or_else(Vec::new, |damage| damage.of(&state.history))
-}
-
-fn length(vector: &[f64]) -> f64 {
-    vector.iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-/// Draws the permeability where it varies.
-///
-/// # Errors
-/// Those of [`field_png`].
-pub(super) fn of_permeability<const D: usize>(
-    folder: &Path,
-    model: &Model<D>,
-) -> Result<(), OutputError> {
-    let values = &model.permeability;
-    let extremes = |(low, high): (f64, f64), &k: &f64| (low.min(k), high.max(k));
-    let (low, high) = values.iter().fold((f64::INFINITY, 0.0), extremes);
-    if model.flow.is_none() || high <= low * (1.0 + 1e-12) {
-        return Ok(());
+    /// Values of a quantity at all outputs in the first section; empty where the scene does not name it.
+    ///
+    /// # Errors
+    /// [`OutputError::Malformed`] if the fields cannot be read.
+    pub(super) fn frames(
+        &self,
+        quantity: &Quantity,
+        outputs: usize,
+    ) -> Result<Vec<Frame>, OutputError> {
+        let mut frames = Vec::new();
+        for number in 0..outputs {
+            let Some(section) = self.sections.all.first() else {
+                continue;
+            };
+            if let Some(fields) = self.sections.read(self.folder, section, number)? {
+                let values = quantity.of(&fields);
+                frames.extend(values.map(|values| (fields.time.unwrap_or(0.0), values)));
+            }
+        }
+        Ok(frames)
     }
-    let scale = match high > 30.0 * low {
-        true => Scale::Log10,
-        false => Scale::Linear,
-    };
-    let picture = Picture {
-        file: "permeability.png",
-        title: "permeability",
-        unit: "m²",
-        values,
-        time: None,
-        scale,
-    };
-    draw(folder, model, &picture)
-}
 
-fn draw<const D: usize>(
-    folder: &Path,
-    model: &Model<D>,
-    picture: &Picture<'_>,
-) -> Result<(), OutputError> {
-    let cloud = &model.cloud;
-    let shown = shown_points(model);
-    let positions: Vec<f64> = shown
-        .iter()
-        .flat_map(|&i| [cloud.position[i][0], cloud.position[i][1]])
-        .collect();
-    // Squares as large as the longer edge: narrow cells of tensor grids leave no gaps.
-    let sizes: Vec<f64> = shown
-        .iter()
-        .map(|&i| cloud.cell[i].fixed_rows::<2>(0).max())
-        .collect();
-    let values: Vec<f64> = shown.iter().map(|&i| picture.values[i]).collect();
-    let layer = if D == 3 { ", middle layer" } else { "" };
-    let plot = FieldPlot {
-        title: &format!("{}{layer}", picture.title),
-        unit: picture.unit,
-        positions: &positions,
-        dimension: 2,
-        sizes: &sizes,
-        values: &values,
-        time: picture.time,
-        scale: picture.scale,
-        range: None,
-        width_px: PICTURE_WIDTH,
-    };
-    field_png(folder.join(picture.file), &plot)
-}
-
-/// All points in 2-D; in 3-D those of the layer nearest to the middle of the domain.
-pub(super) fn shown_points<const D: usize>(model: &Model<D>) -> Vec<usize> {
-    let cloud = &model.cloud;
-    if D == 2 {
-        return (0..cloud.len()).collect();
+    fn of_section(
+        &self,
+        section: &Section,
+        number: usize,
+        fields: &PointFields,
+        ranges: &[Option<[f64; 2]>; 4],
+    ) -> Result<(), OutputError> {
+        let source = self.sections.file(section, number);
+        for (quantity, range) in drawn(D).iter().zip(ranges) {
+            let Some(values) = quantity.of(fields) else {
+                continue;
+            };
+            let name = format!(
+                "{}{}-{number:04}.png",
+                quantity.file,
+                section.picture_suffix()
+            );
+            self.draw(&Picture {
+                file: &name,
+                title: &format!("{}{}", quantity.title, section.name()),
+                unit: quantity.unit,
+                section,
+                positions: &section.positions(self.model),
+                values: &values,
+                lines: &section.cracks(self.plan),
+                outlines: section.outlines(self.plan),
+                time: self.time(fields),
+                scale: Scale::Linear,
+                range: range.or_else(|| quantity.spread(values.iter().copied())),
+                source: Some(&source),
+            })?;
+        }
+        Ok(())
     }
-    let middle = 0.5 * (cloud.domain.lower[2] + cloud.domain.upper[2]);
-    let within = |&i: &usize| (cloud.position[i][2] - middle).abs() <= 0.5001 * cloud.cell[i][2];
-    let near: Vec<usize> = (0..cloud.len()).filter(within).collect();
-    // An even number of layers has two beside the middle; one is enough.
-    let lowest = near
-        .iter()
-        .map(|&i| cloud.position[i][2])
-        .fold(f64::INFINITY, f64::min);
-    near.into_iter()
-        .filter(|&i| cloud.position[i][2] < lowest + 0.25 * cloud.cell[i][2])
-        .collect()
+
+    /// Draws the points where they have moved to, enlarged, in the colours of damage or of how far they moved.
+    fn deformed(
+        &self,
+        section: &Section,
+        number: usize,
+        fields: &PointFields,
+        (factor, ranges): (f64, &[Option<[f64; 2]>; 4]),
+    ) -> Result<(), OutputError> {
+        let Some((components, moved)) = fields.arrays.get("displacement") else {
+            return Ok(());
+        };
+        let shown = drawn(D).into_iter().zip(ranges).rev();
+        let shown = shown.filter(|(own, _)| ["damage", "displacement"].contains(&&*own.file));
+        let shown = shown.map(|(own, range)| (own.of(fields), own, range));
+        let Some((Some(values), quantity, range)) = { shown }.find(|own| own.0.is_some()) else {
+            return Ok(());
+        };
+        let mut positions = section.positions(self.model);
+        for (place, moved) in positions.chunks_mut(2).zip(moved.chunks(*components)) {
+            for (own, axis) in place.iter_mut().zip(section.across()) {
+                *own += factor * moved[axis];
+            }
+        }
+        let by = format!("displacement enlarged {factor} times");
+        self.draw(&Picture {
+            file: &format!("deformed{}-{number:04}.png", section.picture_suffix()),
+            title: &format!(
+                "deformed shape, {by}, colours: {}{}",
+                quantity.title,
+                section.name()
+            ),
+            unit: quantity.unit,
+            section,
+            positions: &positions,
+            values: &values,
+            lines: &[],
+            outlines: &[],
+            time: self.time(fields),
+            scale: Scale::Linear,
+            range: *range,
+            source: None,
+        })
+    }
+
+    /// One, two or five times a power of ten by which displacements are enlarged; none where nothing moves.
+    fn factor(&self, farthest: f64) -> Option<f64> {
+        let domain = &self.model.cloud.domain;
+        let longest = (domain.upper - domain.lower).max();
+        let most = DEFORMATION * longest / farthest;
+        if !(most.is_finite() && farthest > 0.0) {
+            return None;
+        }
+        let power = 10_f64.powf(most.log10().floor());
+        let step = [5.0, 2.0].into_iter().find(|step| step * power <= most);
+        Some((step.unwrap_or(1.0) * power).max(1.0))
+    }
+
+    fn time(&self, fields: &PointFields) -> Option<f64> {
+        fields
+            .time
+            .filter(|_| self.plan.time.mode == TimeMode::Transient)
+    }
+
+    /// Draws the permeability where it varies.
+    ///
+    /// # Errors
+    /// Those of [`field_png`].
+    pub(super) fn of_permeability(&self) -> Result<(), OutputError> {
+        let values = &self.model.permeability;
+        let extremes = |(low, high): (f64, f64), &k: &f64| (low.min(k), high.max(k));
+        let (low, high) = values.iter().fold((f64::INFINITY, 0.0), extremes);
+        if self.model.flow.is_none() || high <= low * (1.0 + 1e-12) {
+            return Ok(());
+        }
+        let scale = match high > 30.0 * low {
+            true => Scale::Log10,
+            false => Scale::Linear,
+        };
+        for section in &self.sections.all {
+            let own = |point: &u32| values[*point as usize];
+            self.draw(&Picture {
+                file: &format!("permeability{}.png", section.picture_suffix()),
+                title: &format!("permeability{}", section.name()),
+                unit: "m²",
+                section,
+                positions: &section.positions(self.model),
+                values: &section.points.iter().map(own).collect::<Vec<_>>(),
+                lines: &section.cracks(self.plan),
+                outlines: section.outlines(self.plan),
+                time: None,
+                scale,
+                range: Some([low, high]),
+                source: None,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn draw(&self, picture: &Picture<'_>) -> Result<(), OutputError> {
+        let plot = FieldPlot {
+            title: &format!("{}: {}", self.plan.title, picture.title),
+            unit: picture.unit,
+            positions: picture.positions,
+            dimension: 2,
+            sizes: &picture.section.sizes(self.model),
+            values: picture.values,
+            time: picture.time,
+            scale: picture.scale,
+            range: picture.range.map(|[low, high]| (low, high)),
+            width_px: PICTURE_WIDTH,
+            axes: picture.section.axes(),
+            lines: picture.lines,
+            outlines: picture.outlines,
+            source: picture.source,
+        };
+        field_png(self.folder.join(picture.file), &plot)
+    }
+}
+
+/// The range that holds both.
+fn joined(a: Option<[f64; 2]>, b: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
+        (one, None) | (None, one) => one,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::float_cmp)]
+    use super::*;
+
+    #[test]
+    fn colours_hold_what_every_output_has() {
+        assert_eq!(joined(None, Some([1.0, 2.0])), Some([1.0, 2.0]));
+        assert_eq!(joined(Some([1.0, 2.0]), None), Some([1.0, 2.0]));
+        assert_eq!(
+            joined(Some([1.0, 2.0]), Some([-1.0, 1.5])),
+            Some([-1.0, 2.0])
+        );
+    }
 }

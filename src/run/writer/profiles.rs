@@ -222,7 +222,7 @@ fn finite(value: f64) -> f64 {
 }
 
 impl Line {
-    /// Takes what is drawn of a table from it: the outputs of some numbers, from 1.
+    /// Takes the places and what is drawn of a table from it: the outputs of some numbers, from 1.
     fn recover(&mut self, table: &Table, drawn: &[usize]) {
         let mut outputs: Vec<Vec<&Vec<f64>>> = Vec::new();
         for row in &table.rows {
@@ -231,6 +231,9 @@ impl Line {
                 _ => outputs.push(vec![row]),
             }
         }
+        // A run that has all of its outputs writes no more, and draws over these.
+        let places = outputs.first().into_iter().flatten();
+        self.distance = places.filter_map(|row| row.get(1).copied()).collect();
         let known = drawn.iter().filter_map(|number| outputs.get(number - 1));
         self.drawn = known
             .map(|rows| (rows[0][0], values_of(&table.columns, rows)))
@@ -359,4 +362,29 @@ fn headings(values: &[Values]) -> Vec<String> {
         columns.extend(exact.as_ref().map(|_| format!("{name}_exact_{unit}")));
     }
     columns
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::float_cmp)]
+    use super::*;
+
+    #[test]
+    fn a_line_that_goes_on_knows_its_places_before_it_writes_again() {
+        let columns = ["time_s", "distance_m", "pressure_Pa"].map(str::to_owned);
+        let table = Table {
+            columns: columns.to_vec(),
+            rows: vec![
+                vec![1.0, 0.0, 5.0],
+                vec![1.0, 0.5, 6.0],
+                vec![2.0, 0.0, 7.0],
+                vec![2.0, 0.5, 8.0],
+            ],
+        };
+        let mut line = Line::default();
+        line.recover(&table, &[2]);
+        assert_eq!(line.distance, [0.0, 0.5]);
+        assert_eq!(line.drawn.len(), 1);
+        assert_eq!(line.drawn[0].1[0].computed, [7.0, 8.0]);
+    }
 }

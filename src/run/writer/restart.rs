@@ -4,12 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::fracture::Animation;
-use super::pictures::shown_points;
-use super::{CrackLines, Cracks, Hold, Profiles, Writer, piece_name};
+use super::{CrackLines, Cracks, Hold, Profiles, Writer};
 use crate::model::Model;
 use crate::output::{History, OutputError, Pvd};
-use crate::plan::{Plan, read_array};
+use crate::plan::Plan;
 
 /// Where the files of a run stand.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -18,7 +16,7 @@ pub struct WriterRecord {
     seen: u64,
     stride: u64,
     profiles: usize,
-    /// Damage at the outputs, where no other file has it.
+    /// Part of the format of checkpoints, and empty: damage at the outputs stands in files.
     frames: Vec<(f64, Vec<f64>)>,
 }
 
@@ -36,16 +34,13 @@ impl Writer {
     }
 
     /// What a checkpoint keeps of the files.
-    pub fn record(&self, plan: &Plan) -> WriterRecord {
+    pub fn record(&self) -> WriterRecord {
         WriterRecord {
             outputs: self.outputs,
             seen: self.seen,
             stride: self.stride,
             profiles: self.profiles.as_ref().map_or(0, Profiles::seen),
-            frames: match plan.output.vtu {
-                true => Vec::new(),
-                false => self.film.frames.clone(),
-            },
+            frames: Vec::new(),
         }
     }
 
@@ -89,7 +84,6 @@ impl Writer {
         let mut cracks = Cracks::new(&self.folder, plan);
         cracks.resume(plan, until)?;
         self.cracks = Some(cracks);
-        self.film = self.resumed_film(plan, model, record)?;
         Ok(())
     }
 
@@ -119,32 +113,5 @@ impl Writer {
                 found: rows as usize,
             }),
         }
-    }
-
-    /// Damage at the outputs so far, which stands in their fields.
-    fn resumed_film<const D: usize>(
-        &self,
-        plan: &Plan,
-        model: &Model<D>,
-        record: &WriterRecord,
-    ) -> Result<Animation, OutputError> {
-        let breaks = plan.output.plots && plan.damage.is_some();
-        let (true, true, Some(pvd)) = (breaks, plan.output.vtu, &self.pvd) else {
-            let frames = record.frames.clone();
-            return Ok(Animation { frames });
-        };
-        let shown = shown_points(model);
-        let mut frames = Vec::new();
-        for (number, time) in pvd.times().into_iter().enumerate() {
-            let path = self.folder.join(piece_name(number, None));
-            let damage = read_array(&path, "damage").map_err(|error| OutputError::Malformed {
-                path: path.clone(),
-                line: 1,
-                reason: error.to_string(),
-            })?;
-            let of_shown = |point: &usize| damage.get(*point).copied().unwrap_or(0.0);
-            frames.push((time, shown.iter().map(of_shown).collect()));
-        }
-        Ok(Animation { frames })
     }
 }

@@ -80,6 +80,8 @@ fn mechanics_alone_writes_nothing_of_flow() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &[]);
     let expected = [
+        "deformed-0000.png",
+        "deformed-0001.png",
         "displacement-0000.png",
         "displacement-0001.png",
         "fields-0000.vtu",
@@ -91,6 +93,9 @@ fn mechanics_alone_writes_nothing_of_flow() {
         "profile-up-displacement.svg",
         "profile-up.csv",
         "resolved.toml",
+        "setup.png",
+        "stress-0000.png",
+        "stress-0001.png",
         "summary.json",
     ];
     assert_eq!(names(folder.path()), expected);

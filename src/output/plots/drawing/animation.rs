@@ -39,7 +39,7 @@ pub fn animation_png(
     }
     let colours = plot.colours();
     // The same notes below every frame keep all frames at one size.
-    let notes = colours.remarks(plot.all());
+    let notes = plot.notes(&colours);
     let pictures = plot
         .frames
         .iter()

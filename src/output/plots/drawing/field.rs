@@ -8,10 +8,11 @@ use super::axes::Axis;
 use super::canvas::Canvas;
 use super::colours::ColourScale;
 use super::layout::{Content, Layout};
+use super::overlay::{draw_lines, draw_outlines};
 use super::page::Page;
 use super::raster::{Cell, Picture, Window, paint_cells};
 use super::units::{Shown, engineering, readable_time};
-use super::{Drawn, FieldPlot, Scale};
+use super::{Drawn, FieldPlot, PictureFacts, Scale};
 use crate::output::{OutputError, write_atomically};
 
 /// Limits of the width of a picture, px.
@@ -51,13 +52,22 @@ fn check(path: &Path, plot: &FieldPlot<'_>) -> Result<(), OutputError> {
         points * plot.dimension,
         plot.positions.len(),
     )?;
+    if !plot.outlines.is_empty() {
+        OutputError::check_length(path, "outlines of cells", points, plot.outlines.len())?;
+    }
     OutputError::check_length(path, "cell sizes", points, plot.sizes.len())
 }
 
 fn draw(plot: &FieldPlot<'_>) -> Drawn<Picture> {
     let colours = ColourScale::new(plot.values, plot.range, plot.scale == Scale::Log10);
-    let notes = colours.remarks(plot.values.iter().copied());
+    let mut notes = colours.remarks(plot.values.iter().copied());
+    notes.extend(of_lines(plot.lines));
     draw_in(plot, &colours, &notes)
+}
+
+/// What lines over a field are.
+pub(super) fn of_lines(lines: &[Vec<[f64; 2]>]) -> Option<String> {
+    (!lines.is_empty()).then(|| "dark lines: cracks from the start".to_owned())
 }
 
 /// Draws the field in given colours with given notes, whatever the plot says of its range. Pictures
@@ -85,19 +95,49 @@ pub(super) fn draw_in(
     };
     let layout = Layout::fit(&content)?;
     let mut picture = Picture::white(content.width as usize, layout.height as usize);
-    paint_cells(&mut picture, &layout.frame, &window, &cells);
+    picture.facts = facts(plot, colours, (&layout, &window));
+    if plot.outlines.is_empty() {
+        paint_cells(&mut picture, &layout.frame, &window, &cells);
+    }
     let size = (picture.width as u32, picture.height as u32);
     let mut canvas = Canvas::bitmap(BitMapBackend::with_buffer(&mut picture.pixels, size));
     let page = Page {
         content: &content,
         layout: &layout,
         metres: &metres,
+        axes: plot.axes,
     };
+    draw_outlines(&mut canvas, (plot.outlines, &cells), &layout.frame, &window)?;
+    draw_lines(&mut canvas, plot.lines, &layout.frame, &window)?;
     page.texts(&mut canvas)?;
     page.bar(colours).draw(&mut canvas)?;
     page.axes(&mut canvas)?;
     canvas.finish()?;
     Ok(picture)
+}
+
+/// Where the field stands in the picture, if there is a file that has its values.
+fn facts(
+    plot: &FieldPlot<'_>,
+    colours: &ColourScale,
+    (layout, window): (&Layout, &Window),
+) -> Option<PictureFacts> {
+    let frame = &layout.frame;
+    Some(PictureFacts {
+        title: plot.title.to_owned(),
+        unit: plot.unit.to_owned(),
+        time: plot.time,
+        axes: plot.axes.map(str::to_owned),
+        size: [
+            f64::from(plot.width_px.clamp(WIDTHS.0, WIDTHS.1)),
+            layout.height,
+        ],
+        frame: [frame.left, frame.top, frame.width, frame.height],
+        window: [window.left, window.right, window.bottom, window.top],
+        range: [colours.axis.low, colours.axis.high],
+        lines: plot.lines.to_vec(),
+        source: plot.source?.to_owned(),
+    })
 }
 
 /// Units of the colour bar and of the axes.
@@ -138,13 +178,15 @@ pub(super) fn cells(plot: &FieldPlot<'_>, colours: &ColourScale) -> (Vec<Cell>, 
             colour: colours.colour(value),
         })
         .collect();
-    let span = |centre: fn(&Cell) -> f64| {
+    let span = |centre: fn(&Cell) -> f64, axis: usize| {
+        let corners = plot.outlines.iter().flatten().map(|corner| corner[axis]);
         let ends = cells
             .iter()
+            .filter(|_| plot.outlines.is_empty())
             .flat_map(|c| [centre(c) - 0.5 * c.size, centre(c) + 0.5 * c.size]);
-        Axis::covering(ends, false).0
+        Axis::covering(ends.chain(corners), false).0
     };
-    let (x, y) = (span(|cell| cell.x), span(|cell| cell.y));
+    let (x, y) = (span(|cell| cell.x, 0), span(|cell| cell.y, 1));
     let window = Window {
         left: x.low,
         right: x.high,

@@ -60,6 +60,10 @@ fn plot<'a>(positions: &'a [f64], sizes: &'a [f64], values: &'a [f64]) -> FieldP
         scale: Scale::Linear,
         range: None,
         width_px: 600,
+        axes: ["x", "y"],
+        lines: &[],
+        outlines: &[],
+        source: None,
     }
 }
 
@@ -80,6 +84,44 @@ fn frame_of(plot: &FieldPlot<'_>) -> crate::output::plots::drawing::axes::Frame 
         bar: colours.axis.divided(bar.divisor),
     };
     Layout::fit(&content).unwrap().frame
+}
+
+#[test]
+fn cells_that_are_no_squares_fill_the_domain_and_nothing_else() {
+    // A square of two triangles; the frame ends at their corners, not half an edge around their middles.
+    let outlines = [
+        vec![[0.0, 0.0], [3.0, 0.0], [3.0, 3.0]],
+        vec![[0.0, 0.0], [3.0, 3.0], [0.0, 3.0]],
+    ];
+    let plot = FieldPlot {
+        outlines: &outlines,
+        ..plot(&[2.0, 1.0, 1.0, 2.0], &[2.0; 2], &[0.0, 1.0])
+    };
+    let colours = ColourScale::new(plot.values, None, false);
+    let (_, window) = cells(&plot, &colours);
+    assert_eq!(
+        [window.left, window.right, window.bottom, window.top],
+        [0.0, 3.0, 0.0, 3.0]
+    );
+    let picture = draw(&plot).unwrap();
+    let count = |value: f64| {
+        let colour = colours.colour(value);
+        let pixels = picture.pixels.chunks(3);
+        pixels.filter(|own| *own == colour).count() as f64
+    };
+    let frame = frame_of(&plot);
+    let half = 0.5 * frame.width * frame.height;
+    // The outline of the frame and the line between both cover some.
+    assert!(
+        (count(0.0) / half - 1.0).abs() < 0.05,
+        "{} {half}",
+        count(0.0)
+    );
+    assert!(
+        (count(1.0) / half - 1.0).abs() < 0.05,
+        "{} {half}",
+        count(1.0)
+    );
 }
 
 #[test]

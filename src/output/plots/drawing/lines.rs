@@ -10,6 +10,7 @@ use super::canvas::{Anchor, Canvas, DIM, SVG_UNITS, Text, WHITE};
 use super::curves::{Curve, Shown, curves, dense, draw_curve, drawable, pairs, shown_x, shown_y};
 use super::font::wrap;
 use super::legend::{Legend, Look};
+use super::numbers::numbers;
 use super::{Drawn, LinePlot, LineStyle, Place, Series, WIDE};
 use crate::output::{OutputError, write_atomically};
 
@@ -99,7 +100,9 @@ fn draw(plot: &LinePlot<'_>, width: f64) -> Drawn<String> {
     })?;
     let frame = layout.frame;
     let curves = curves(plot, &looks, &frame, &x, &y);
-    render(plot.title, (width, layout.height), |canvas| {
+    // Drawings for narrow screens stand beside a wide one, which has the numbers.
+    let data = (width >= WIDE).then(|| numbers(plot, &looks, (&x, &y)));
+    render((plot.title, data), (width, layout.height), |canvas| {
         texts(canvas, &layout)?;
         let axes = Axes {
             frame,
@@ -211,9 +214,9 @@ fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, layout: &Layout) -> Drawn<()
     Ok(())
 }
 
-/// Draws in fine units and gives the drawing its size in pixels.
+/// Draws in fine units and gives the drawing its size in pixels, a title, and data in JSON that it carries.
 pub(super) fn render(
-    title: &str,
+    (title, data): (&str, Option<String>),
     (width, height): (f64, f64),
     paint: impl FnOnce(&mut Canvas<SVGBackend<'_>>) -> Drawn<()>,
 ) -> Drawn<String> {
@@ -225,10 +228,16 @@ pub(super) fn render(
     canvas.finish()?;
     let (_, content) = body.split_once('\n').ok_or("the drawing is empty")?;
     let title = crate::output::vtk::escape(title);
+    let data = data.map_or_else(String::new, |json| {
+        format!(
+            "<metadata>{}</metadata>\n",
+            crate::output::vtk::escape(&json)
+        )
+    });
     Ok(format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" \
          stroke-linejoin=\"round\" xmlns=\"http://www.w3.org/2000/svg\">\n\
-         <title>{title}</title>\n{content}",
+         <title>{title}</title>\n{data}{content}",
         fine.0, fine.1
     ))
 }

@@ -9,8 +9,9 @@ use super::axes::{Axes, Axis};
 use super::bar::Bar;
 use super::canvas::{Anchor, Canvas, DIM, Text};
 use super::colours::ColourScale;
-use super::field::{WIDTHS, cells, units};
+use super::field::{WIDTHS, cells, of_lines, units};
 use super::grid::{Contents, Grid, Panel};
+use super::overlay::{draw_lines, draw_outlines};
 use super::raster::{Picture, paint_cells};
 use super::units::{axis_label, readable_time};
 use super::{Drawn, FieldPlot, Multiples, Scale};
@@ -91,6 +92,13 @@ impl<'a> Multiples<'a> {
         ColourScale::over(self.all(), range, self.scale == Scale::Log10)
     }
 
+    /// What a reader must know besides the colours.
+    pub(super) fn notes(&self, colours: &ColourScale) -> Vec<String> {
+        let mut notes = colours.remarks(self.all());
+        notes.extend(of_lines(self.lines));
+        notes
+    }
+
     /// One frame as a picture of its own.
     pub(super) fn field(&self, (time, values): &'a (f64, Vec<f64>)) -> FieldPlot<'a> {
         FieldPlot {
@@ -104,6 +112,10 @@ impl<'a> Multiples<'a> {
             scale: self.scale,
             range: self.range.map(|[low, high]| (low, high)),
             width_px: self.width_px,
+            axes: self.axes,
+            lines: self.lines,
+            outlines: self.outlines,
+            source: None,
         }
     }
 }
@@ -123,19 +135,32 @@ fn draw(plot: &Multiples<'_>) -> Drawn<Picture> {
         width: f64::from(plot.width_px.clamp(WIDTHS.0, WIDTHS.1)),
         title: &axis_label(plot.title, &bar.unit),
         times: &plot.frames.iter().map(time).collect::<Vec<_>>(),
-        notes: &colours.remarks(plot.all()),
+        notes: &plot.notes(&colours),
         x: x.divided(metres.divisor),
         y: y.divided(metres.divisor),
         bar: colours.axis.divided(bar.divisor),
     };
     let grid = Grid::fit(&contents)?;
     let mut picture = Picture::white(contents.width as usize, grid.height as usize);
-    for (panel, cells) in grid.panels.iter().zip(&painted) {
+    let squares = grid
+        .panels
+        .iter()
+        .zip(&painted)
+        .filter(|_| plot.outlines.is_empty());
+    for (panel, cells) in squares {
         paint_cells(&mut picture, &panel.frame, window, cells);
     }
     let size = (picture.width as u32, picture.height as u32);
     let mut canvas = Canvas::bitmap(BitMapBackend::with_buffer(&mut picture.pixels, size));
-    texts(&mut canvas, &grid, &metres.unit)?;
+    texts(
+        &mut canvas,
+        &grid,
+        plot.axes.map(|name| axis_label(name, &metres.unit)),
+    )?;
+    for (panel, cells) in grid.panels.iter().zip(&painted) {
+        draw_outlines(&mut canvas, (plot.outlines, cells), &panel.frame, window)?;
+        draw_lines(&mut canvas, plot.lines, &panel.frame, window)?;
+    }
     for (panel, time) in grid.panels.iter().zip(contents.times) {
         draw_panel(&mut canvas, &grid, panel, (contents.x, contents.y), time)?;
     }
@@ -145,7 +170,7 @@ fn draw(plot: &Multiples<'_>) -> Drawn<Picture> {
 }
 
 /// Title, notes and the labels that all panels share.
-fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, grid: &Grid, metres: &str) -> Drawn<()> {
+fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, grid: &Grid, [x, y]: [String; 2]) -> Drawn<()> {
     let size = grid.size;
     let title = Text {
         bold: true,
@@ -164,12 +189,12 @@ fn texts<B: DrawingBackend>(canvas: &mut Canvas<B>, grid: &Grid, metres: &str) -
         canvas.text(line, (grid.left, y), dim)?;
     }
     let label = Text::new(1.08 * size, Anchor::Middle);
-    canvas.text(&axis_label("x", metres), grid.x_label, label)?;
+    canvas.text(&x, grid.x_label, label)?;
     let upwards = Text {
         upwards: true,
         ..label
     };
-    canvas.text(&axis_label("y", metres), grid.y_label, upwards)
+    canvas.text(&y, grid.y_label, upwards)
 }
 
 fn draw_panel<B: DrawingBackend>(

@@ -23,6 +23,9 @@ fn plot<'a>(positions: &'a [f64], frames: &'a [(f64, Vec<f64>)]) -> Multiples<'a
         scale: Scale::Linear,
         range: None,
         width_px: 800,
+        axes: ["x", "y"],
+        lines: &[],
+        outlines: &[],
     }
 }
 

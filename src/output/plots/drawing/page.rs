@@ -16,6 +16,8 @@ pub(super) struct Page<'a> {
     pub layout: &'a Layout,
     /// Unit of both axes.
     pub metres: &'a Shown,
+    /// Names of the axes.
+    pub axes: [&'a str; 2],
 }
 
 impl Page<'_> {
@@ -65,8 +67,8 @@ impl Page<'_> {
     pub(super) fn axes<B: DrawingBackend>(&self, canvas: &mut Canvas<B>) -> Drawn<()> {
         let Layout { size, frame, .. } = *self.layout;
         let (x_label, y_label) = (
-            axis_label("x", &self.metres.unit),
-            axis_label("y", &self.metres.unit),
+            axis_label(self.axes[0], &self.metres.unit),
+            axis_label(self.axes[1], &self.metres.unit),
         );
         let numbers = widest(&self.content.y.ticks_up(frame.height, size), size)?;
         let axes = Axes {

@@ -102,9 +102,10 @@ fn draw(plot: &PathPlot<'_>) -> Drawn<String> {
         content: &content,
         layout: &layout,
         metres: &metres,
+        axes: ["x", "y"],
     };
     let place = |[px, py]: [f64; 2]| layout.frame.place((x.fraction(px), y.fraction(py)));
-    render(plot.title, (WIDTH, layout.height), |canvas| {
+    render((plot.title, None), (WIDTH, layout.height), |canvas| {
         page.texts(canvas)?;
         if !plot.points.is_empty() {
             page.bar(&colours).draw(canvas)?;

@@ -1,8 +1,8 @@
 //! Pictures of coloured pixels, and point cells painted onto them.
 
-use super::Drawn;
 use super::axes::{Axis, Frame};
 use super::canvas::Colour;
+use super::{Drawn, PICTURE_KEY, PictureFacts};
 
 /// Cells are painted this much larger than they are, so that rounding leaves no gap between them.
 const OVERLAP: f64 = 1.06;
@@ -15,6 +15,8 @@ pub(super) struct Picture {
     pub width: usize,
     pub height: usize,
     pub pixels: Vec<u8>,
+    /// What the file tells beside the pixels.
+    pub facts: Option<PictureFacts>,
 }
 
 impl Picture {
@@ -24,6 +26,7 @@ impl Picture {
             width,
             height,
             pixels: vec![255; 3 * width * height],
+            facts: None,
         }
     }
 
@@ -37,10 +40,14 @@ impl Picture {
     /// The picture as a PNG file.
     pub(super) fn encode(&self) -> Drawn<Vec<u8>> {
         let mut bytes = Vec::new();
-        let mut writer = self
-            .encoder(&mut bytes)
-            .write_header()
-            .map_err(|e| e.to_string())?;
+        let mut encoder = self.encoder(&mut bytes);
+        if let Some(facts) = &self.facts {
+            let text = serde_json::to_string(facts).map_err(|e| e.to_string())?;
+            encoder
+                .add_itxt_chunk(PICTURE_KEY.to_owned(), text)
+                .map_err(|e| e.to_string())?;
+        }
+        let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
         writer
             .write_image_data(&self.pixels)
             .map_err(|e| e.to_string())?;

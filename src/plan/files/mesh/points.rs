@@ -20,6 +20,8 @@ pub struct MeshTable {
     pub sets: Vec<PointSet>,
     /// Cells whose corners are the points: around inner nodes, rings in a plane and polyhedra in space.
     pub dual: DualCells,
+    /// Corners of each cell of a plane mesh in their order, m; empty in space.
+    pub outlines: Vec<Vec<[f64; 2]>>,
     /// Area of the cells on each side of the bounds, m^(D−1); shape `(2D,)`, low and high side of each axis.
     pub side_area: Vec<f64>,
     /// Balls that touch the free surfaces, which are the faces off the bounds, from outside: centre and radius, m.
@@ -70,12 +72,31 @@ impl MeshTable {
         Ok(MeshTable {
             sets: point_sets(mesh, &topology),
             dual: topology.dual(mesh),
+            outlines: outlines(mesh, &topology, unit),
             side_area: border.side_area,
             surface: border.surface,
             table,
             bounds,
         })
     }
+}
+
+/// Corners of the cells of a plane mesh, m.
+fn outlines(mesh: &Mesh, topology: &Topology, unit: f64) -> Vec<Vec<[f64; 2]>> {
+    if topology.dimension > 2 {
+        return Vec::new();
+    }
+    let corner = |node: &u32| {
+        let [x, y, _] = mesh.nodes[*node as usize];
+        [x * unit, y * unit]
+    };
+    let cells = topology
+        .cells
+        .iter()
+        .map(|cell| &mesh.elements[*cell as usize].nodes);
+    cells
+        .map(|nodes| nodes.iter().map(corner).collect())
+        .collect()
 }
 
 fn points(

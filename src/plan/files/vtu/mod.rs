@@ -4,6 +4,7 @@ mod array;
 mod cells;
 mod document;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use roxmltree::{Document, Node};
@@ -43,6 +44,63 @@ pub(super) fn read_points(path: &Path, bytes: &[u8]) -> Result<PointTable, FileE
 /// # Errors
 /// [`FileError`] if the file is no such grid or has no such array.
 pub fn read_array(path: &Path, name: &str) -> Result<Vec<f64>, FileError> {
+    in_first_piece(path, |file, piece, count| {
+        let mut all = arrays(piece, "PointData");
+        match all.find(|node| node.attribute("Name") == Some(name)) {
+            Some(node) => file.values(node, 1, count),
+            None => Err(FileError::Damaged {
+                path: path.to_path_buf(),
+                place: None,
+                reason: format!("it has no array `{name}`"),
+            }),
+        }
+    })
+}
+
+/// All that a file has at its points.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PointFields {
+    /// Simulated time, s, if the file tells it.
+    pub time: Option<f64>,
+    /// Three coordinates per point, m.
+    pub positions: Vec<f64>,
+    /// Components per point and values of each array by its name.
+    pub arrays: BTreeMap<String, (usize, Vec<f64>)>,
+}
+
+/// Places of the points and all arrays at them, of a file that this program wrote.
+///
+/// # Errors
+/// [`FileError`] if the file is no such grid.
+pub fn read_fields(path: &Path) -> Result<PointFields, FileError> {
+    in_first_piece(path, |file, piece, count| {
+        let mut fields = PointFields::default();
+        let mut whole = piece
+            .parent()
+            .into_iter()
+            .flat_map(|grid| arrays(grid, "FieldData"));
+        if let Some(time) = whole.find(|node| node.attribute("Name") == Some("TimeValue")) {
+            fields.time = file.values(time, 1, 1)?.first().copied();
+        }
+        if let Some(points) = arrays(piece, "Points").next() {
+            fields.positions = file.values(points, 3, count)?;
+        }
+        for node in arrays(piece, "PointData") {
+            let components = node.attribute("NumberOfComponents").unwrap_or("1").trim();
+            let components = components.parse().unwrap_or(1);
+            let name = node.attribute("Name").unwrap_or("").to_owned();
+            let values = file.values(node, components, count)?;
+            fields.arrays.insert(name, (components, values));
+        }
+        Ok(fields)
+    })
+}
+
+/// Reads what is wanted of the first piece, with its number of points.
+fn in_first_piece<T>(
+    path: &Path,
+    read: impl FnOnce(&Grid<'_, '_>, Node<'_, '_>, usize) -> Result<T, FileError>,
+) -> Result<T, FileError> {
     let bytes = super::read_bytes(path)?;
     let (xml, appended) = separate(path, &bytes)?;
     let damaged = |reason: String| FileError::Damaged {
@@ -58,11 +116,7 @@ pub fn read_array(path: &Path, name: &str) -> Result<Vec<f64>, FileError> {
     };
     let count = piece.attribute("NumberOfPoints");
     let count = count.and_then(|text| text.trim().parse().ok()).unwrap_or(0);
-    let mut all = arrays(piece, "PointData");
-    match all.find(|node| node.attribute("Name") == Some(name)) {
-        Some(node) => file.values(node, 1, count),
-        None => Err(damaged(format!("it has no array `{name}`"))),
-    }
+    read(&file, piece, count)
 }
 
 /// Values joined from all pieces.

@@ -1,0 +1,326 @@
+//! What pictures show: the whole plane, or of space three sections through its middle.
+
+use std::path::{Path, PathBuf};
+
+use super::fields::Snapshot;
+use super::grid::Grid;
+use crate::model::Model;
+use crate::output::OutputError;
+use crate::plan::{CrackPlace, GeometryPlan, Plan, PointFields, read_fields};
+
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Corners of a drawn circle.
+const CORNERS: usize = 72;
+
+/// The points of one picture.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Section {
+    /// Axis to which it is normal.
+    pub(super) normal: usize,
+    /// Coordinate along that axis, m.
+    pub(super) at: f64,
+    /// Half the distance to what it leaves out, m.
+    half: f64,
+    /// Its points.
+    pub(super) points: Vec<u32>,
+    in_space: bool,
+}
+
+/// All sections of a run, and where their fields are.
+#[derive(Debug, Default)]
+pub(super) struct Sections {
+    pub(super) all: Vec<Section>,
+    /// Whether the files of fields have just their points.
+    in_fields: bool,
+}
+
+impl Sections {
+    /// The plane, or the layers of points nearest to the middle along z, x and y.
+    pub(super) fn of<const D: usize>(plan: &Plan, model: &Model<D>) -> Self {
+        let axes: &[usize] = if D == 2 { &[2] } else { &[2, 0, 1] };
+        Sections {
+            all: axes.iter().map(|axis| Section::of(model, *axis)).collect(),
+            in_fields: D == 2 && plan.output.vtu && model.subdomain().partition().is_none(),
+        }
+    }
+
+    /// Name of the file with the fields of a section at an output.
+    pub(super) fn file(&self, section: &Section, number: usize) -> String {
+        match self.in_fields {
+            true => super::piece_name(number, None),
+            false => format!("section{}-{number:04}.vtu", section.suffix()),
+        }
+    }
+
+    /// Writes the fields of all sections at an output, where no other file has them.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub(super) fn write(
+        &self,
+        (folder, number): (&Path, usize),
+        snapshot: &Snapshot<'_>,
+    ) -> Result<(), OutputError> {
+        if self.in_fields {
+            return Ok(());
+        }
+        for section in &self.all {
+            let path = folder.join(self.file(section, number));
+            snapshot
+                .drawn()
+                .write(&path, &Grid::of_points(&section.points))?;
+        }
+        Ok(())
+    }
+
+    /// Reads them again; `None` if the file is gone.
+    ///
+    /// # Errors
+    /// [`OutputError::Malformed`] if it is damaged.
+    pub(super) fn read(
+        &self,
+        folder: &Path,
+        section: &Section,
+        number: usize,
+    ) -> Result<Option<PointFields>, OutputError> {
+        let path = folder.join(self.file(section, number));
+        if !path.exists() {
+            return Ok(None);
+        }
+        let fields = read_fields(&path);
+        fields
+            .map(Some)
+            .map_err(|error| malformed(path, &error.to_string()))
+    }
+}
+
+fn malformed(path: PathBuf, reason: &str) -> OutputError {
+    OutputError::Malformed {
+        path,
+        line: 1,
+        reason: reason.to_owned(),
+    }
+}
+
+impl Section {
+    fn of<const D: usize>(model: &Model<D>, normal: usize) -> Self {
+        let cloud = &model.cloud;
+        if normal >= D {
+            return Section {
+                normal,
+                at: 0.0,
+                half: f64::INFINITY,
+                points: (0..cloud.len() as u32).collect(),
+                in_space: false,
+            };
+        }
+        let middle = 0.5 * (cloud.domain.lower[normal] + cloud.domain.upper[normal]);
+        let (place, edge) = (
+            |i: u32| cloud.position[i as usize][normal],
+            |i: u32| cloud.cell[i as usize][normal],
+        );
+        let within = |i: &u32| (place(*i) - middle).abs() <= 0.5001 * edge(*i);
+        let near: Vec<u32> = (0..cloud.len() as u32).filter(within).collect();
+        // An even number of layers has two beside the middle; one is enough.
+        let lowest = near.iter().map(|i| place(*i)).fold(f64::INFINITY, f64::min);
+        let in_layer = |i: &u32| place(*i) < lowest + 0.25 * edge(*i);
+        let points: Vec<u32> = near.into_iter().filter(in_layer).collect();
+        let half = points.iter().map(|i| 0.5 * edge(*i)).fold(0.0, f64::max);
+        Section {
+            normal,
+            at: lowest,
+            half,
+            points,
+            in_space: true,
+        }
+    }
+
+    /// The two axes of its picture.
+    pub(super) fn across(&self) -> [usize; 2] {
+        match self.normal {
+            0 => [1, 2],
+            1 => [0, 2],
+            _ => [0, 1],
+        }
+    }
+
+    /// Names of these axes.
+    pub(super) fn axes(&self) -> [&'static str; 2] {
+        self.across().map(|axis| AXES[axis])
+    }
+
+    /// What sets the names of its files apart: nothing for the plane, in space the axis it is normal to.
+    pub(super) fn suffix(&self) -> String {
+        match self.in_space {
+            true => format!("-{}", AXES[self.normal]),
+            false => String::new(),
+        }
+    }
+
+    /// The same for pictures, where the section normal to z is the first to be looked at.
+    pub(super) fn picture_suffix(&self) -> String {
+        match self.normal {
+            2 => String::new(),
+            _ => self.suffix(),
+        }
+    }
+
+    /// Where it is, for titles; nothing for the whole plane.
+    pub(super) fn name(&self) -> String {
+        match self.in_space {
+            true => format!(", points at {} = {} m", AXES[self.normal], rounded(self.at)),
+            false => String::new(),
+        }
+    }
+
+    /// Places of its points in the picture, m.
+    pub(super) fn positions<const D: usize>(&self, model: &Model<D>) -> Vec<f64> {
+        let across = self.across();
+        let place = |i: &u32| across.map(|axis| model.cloud.position[*i as usize][axis]);
+        self.points.iter().flat_map(place).collect()
+    }
+
+    /// Edges of the squares that are drawn, m: as large as the longer edge, so that narrow cells of tensor grids leave
+    /// no gaps.
+    pub(super) fn sizes<const D: usize>(&self, model: &Model<D>) -> Vec<f64> {
+        let across = self.across();
+        let size = |i: &u32| {
+            let edges = across.map(|axis| model.cloud.cell[*i as usize][axis]);
+            edges[0].max(edges[1])
+        };
+        self.points.iter().map(size).collect()
+    }
+
+    /// Corners of the cells of a plane mesh, m; empty where squares stand for cells.
+    pub(super) fn outlines<'a>(&self, plan: &'a Plan) -> &'a [Vec<[f64; 2]>] {
+        match &plan.geometry {
+            GeometryPlan::Points {
+                mesh: Some(mesh), ..
+            } if !self.in_space => &mesh.outlines,
+            _ => &[],
+        }
+    }
+
+    /// Cracks of the scene in the picture, m: chains, the chord of a disc, or its rim where it lies in the section.
+    pub(super) fn cracks(&self, plan: &Plan) -> Vec<Vec<[f64; 2]>> {
+        let line = |place: &CrackPlace| match place {
+            CrackPlace::Chain(points) => Some(points.clone()),
+            CrackPlace::Disc {
+                centre,
+                normal,
+                radius,
+            } => self.of_disc(centre, normal, *radius),
+        };
+        plan.cracks
+            .iter()
+            .filter_map(|crack| line(&crack.place))
+            .collect()
+    }
+
+    fn of_disc(&self, centre: &[f64; 3], normal: &[f64; 3], radius: f64) -> Option<Vec<[f64; 2]>> {
+        let (own, across) = (self.normal, self.across());
+        let flat = |x: [f64; 3]| across.map(|axis| x[axis]);
+        let slope = (1.0 - normal[own] * normal[own]).max(0.0).sqrt();
+        if slope < 1e-6 {
+            let near = (centre[own] - self.at).abs() <= 1.001 * self.half;
+            let corner = |k: usize| {
+                let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
+                let [a, b] = flat(*centre);
+                [a + radius * angle.cos(), b + radius * angle.sin()]
+            };
+            return near.then(|| (0..=CORNERS).map(corner).collect());
+        }
+        // Down the slope of the disc to the section, then half a chord to both sides.
+        let step = (self.at - centre[own]) / slope;
+        let half = (radius * radius - step * step).max(0.0).sqrt();
+        let unit = |axis: usize| f64::from(u8::from(axis == own));
+        let down: [f64; 3] = std::array::from_fn(|k| (unit(k) - normal[own] * normal[k]) / slope);
+        let chord = cross(normal, &down);
+        let end = |sign: f64| {
+            flat(std::array::from_fn(|k| {
+                centre[k] + step * down[k] + sign * half * chord[k]
+            }))
+        };
+        (half > 0.0).then(|| vec![end(-1.0), end(1.0)])
+    }
+}
+
+fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        a[i] * b[j] - a[j] * b[i]
+    })
+}
+
+/// Four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn section(normal: usize, at: f64) -> Section {
+        Section {
+            normal,
+            at,
+            half: 0.1,
+            points: Vec::new(),
+            in_space: true,
+        }
+    }
+
+    fn close(found: &[[f64; 2]], expected: &[[f64; 2]]) -> bool {
+        let near = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12;
+        found.len() == expected.len() && found.iter().zip(expected).all(near)
+    }
+
+    /// By hand: a disc of radius 5 around (1, 2, 3), normal to z, is cut by x = 4, 3 from its middle, along y from 2 − 4
+    /// to 2 + 4 at z = 3.
+    #[test]
+    fn a_disc_is_cut_in_a_chord() {
+        let chord = section(0, 4.0)
+            .of_disc(&[1.0, 2.0, 3.0], &[0.0, 0.0, 1.0], 5.0)
+            .unwrap();
+        let mut chord = chord;
+        chord.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        assert!(close(&chord, &[[-2.0, 3.0], [6.0, 3.0]]), "{chord:?}");
+        let beyond = section(0, 7.0).of_disc(&[1.0, 2.0, 3.0], &[0.0, 0.0, 1.0], 5.0);
+        assert!(beyond.is_none());
+    }
+
+    /// By hand: a disc inclined by 45° about y through the origin meets z = 1 at x = 1 if its normal is (−1, 0, 1)/√2.
+    #[test]
+    fn an_inclined_disc_is_cut_where_it_meets_the_section() {
+        let half = 0.5_f64.sqrt();
+        let chord = section(2, 1.0)
+            .of_disc(&[0.0; 3], &[-half, 0.0, half], 2.0)
+            .unwrap();
+        assert!(
+            chord.iter().all(|end| (end[0] - 1.0).abs() < 1e-12),
+            "{chord:?}"
+        );
+        let length = (chord[0][1] - chord[1][1]).abs();
+        assert!((length - 2.0 * 2.0_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_disc_in_the_section_is_drawn_by_its_rim() {
+        let normal = [0.0, 0.0, 1.0];
+        let rim = section(2, 3.05)
+            .of_disc(&[1.0, 2.0, 3.0], &normal, 5.0)
+            .unwrap();
+        assert!(
+            rim.iter()
+                .all(|[x, y]| ((x - 1.0).hypot(y - 2.0) - 5.0).abs() < 1e-12)
+        );
+        assert!(
+            section(2, 3.2)
+                .of_disc(&[1.0, 2.0, 3.0], &normal, 5.0)
+                .is_none()
+        );
+    }
+}

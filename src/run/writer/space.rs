@@ -1,0 +1,236 @@
+//! Pictures of space: the three sections together, and where rock broke when.
+
+use super::super::fracture::CrackTracker;
+use super::pictures::Pictures;
+use crate::geometry::Vector;
+use crate::output::{IsometricPlot, OutputError, Tile, isometric_png};
+use crate::plan::{CrackPlace, TimeMode};
+use crate::run::quantities::{Quantity, drawn};
+
+const WIDTH: u32 = 900;
+
+/// Damage from which on it is shown.
+const NOTABLE: f64 = 0.1;
+
+/// Corners of a drawn rim.
+const CORNERS: usize = 72;
+
+/// Quantities in the order in which one of them is shown: damage where there is some, pressure, displacement.
+const FIRST: [usize; 3] = [3, 0, 1];
+
+/// Draws the sections at the outputs, and in rock that can break the broken points; nothing in a plane.
+///
+/// # Errors
+/// Those of [`isometric_png`].
+pub(super) fn draw<const D: usize>(
+    pictures: &Pictures<'_, D>,
+    outputs: usize,
+    tracker: &CrackTracker,
+) -> Result<(), OutputError> {
+    if D < 3 {
+        return Ok(());
+    }
+    let all = drawn(D);
+    for quantity in FIRST.map(|k| &all[k]) {
+        if sections(pictures, quantity, outputs)? {
+            break;
+        }
+    }
+    surface(pictures, tracker)
+}
+
+/// Number, time, s, and pieces of the sections at an output.
+type Frame = (usize, Option<f64>, Vec<Tile>);
+
+/// The sections at all outputs in the colours of a quantity; empty where the scene does not name it.
+fn frames<const D: usize>(
+    pictures: &Pictures<'_, D>,
+    quantity: &Quantity,
+    outputs: usize,
+) -> Result<Vec<Frame>, OutputError> {
+    let Pictures {
+        folder,
+        model,
+        sections,
+        ..
+    } = *pictures;
+    let mut frames = Vec::new();
+    for number in 0..outputs {
+        let (mut tiles, mut time) = (Vec::new(), None);
+        for section in &sections.all {
+            let fields = sections.read(folder, section, number)?.unwrap_or_default();
+            let Some(values) = quantity.of(&fields) else {
+                continue;
+            };
+            time = fields.time;
+            let points = section.points.iter().zip(section.sizes(model)).zip(values);
+            tiles.extend(points.map(|((point, size), value)| Tile {
+                at: of_three(&model.cloud.position[*point as usize]),
+                normal: section.normal,
+                size,
+                value,
+            }));
+        }
+        if !tiles.is_empty() {
+            frames.push((number, time, tiles));
+        }
+    }
+    Ok(frames)
+}
+
+/// Draws a quantity on all sections at all outputs; whether the scene names it.
+fn sections<const D: usize>(
+    pictures: &Pictures<'_, D>,
+    quantity: &Quantity,
+    outputs: usize,
+) -> Result<bool, OutputError> {
+    let Pictures { folder, plan, .. } = *pictures;
+    let frames = frames(pictures, quantity, outputs)?;
+    let values = || {
+        frames
+            .iter()
+            .flat_map(|frame| frame.2.iter().map(|tile| tile.value))
+    };
+    // Rock that does not break says nothing.
+    if quantity.file == "damage" && !values().any(|value| value > NOTABLE) {
+        return Ok(false);
+    }
+    let range = quantity.spread(values());
+    for (number, time, tiles) in &frames {
+        let plot = IsometricPlot {
+            title: &format!("{}: {}, three sections", plan.title, quantity.title),
+            unit: quantity.unit,
+            bounds: bounds(pictures),
+            tiles,
+            places: &[],
+            size: 0.0,
+            lines: &[],
+            time: time.filter(|_| plan.time.mode == TimeMode::Transient),
+            range,
+            notes: &[],
+            width_px: WIDTH,
+        };
+        isometric_png(folder.join(format!("sections-{number:04}.png")), &plot)?;
+    }
+    Ok(!frames.is_empty())
+}
+
+/// Places, m, of the points that broke after the start, with the time, s.
+fn broken<const D: usize>(pictures: &Pictures<'_, D>, tracker: &CrackTracker) -> Vec<[f64; 4]> {
+    let model = pictures.model;
+    let cloud = &model.cloud;
+    let banded = |point: usize| {
+        let own = |band: &Vec<u32>| band.binary_search(&(point as u32)).is_ok();
+        model.bands.points.iter().any(own)
+    };
+    let broken = tracker.broken_at.iter().enumerate();
+    broken
+        .filter(|(point, at)| at.is_finite() && !banded(*point))
+        .map(|(point, at)| {
+            let [x, y, z] = of_three(&cloud.position[point]);
+            [x, y, z, *at]
+        })
+        .collect()
+}
+
+/// Draws rims of the cracks from the start and the points that broke since, by time.
+fn surface<const D: usize>(
+    pictures: &Pictures<'_, D>,
+    tracker: &CrackTracker,
+) -> Result<(), OutputError> {
+    let Pictures {
+        folder,
+        plan,
+        model,
+        ..
+    } = *pictures;
+    if plan.damage.is_none() {
+        return Ok(());
+    }
+    let places = broken(pictures, tracker);
+    let rims: Vec<Vec<[f64; 3]>> = plan
+        .cracks
+        .iter()
+        .filter_map(|own| rim(&own.place))
+        .collect();
+    let mut notes = vec![match places.is_empty() {
+        true => "nothing broke".to_owned(),
+        false => "a disc at each point that broke after the start".to_owned(),
+    }];
+    notes
+        .extend((!rims.is_empty()).then(|| "dark lines: rims of cracks from the start".to_owned()));
+    let edges = model.cloud.cell.iter().map(|cell| cell.min());
+    let size = edges.fold(f64::INFINITY, f64::min);
+    let plot = IsometricPlot {
+        title: &format!(
+            "{}: crack surface, colours: time at which a point broke",
+            plan.title
+        ),
+        unit: "s",
+        bounds: bounds(pictures),
+        tiles: &[],
+        places: &places,
+        size: 0.6 * size,
+        lines: &rims,
+        time: None,
+        range: None,
+        notes: &notes,
+        width_px: WIDTH,
+    };
+    isometric_png(folder.join("crack-surface.png"), &plot)
+}
+
+fn of_three<const D: usize>(x: &Vector<D>) -> [f64; 3] {
+    std::array::from_fn(|k| x.as_slice().get(k).copied().unwrap_or(0.0))
+}
+
+fn bounds<const D: usize>(pictures: &Pictures<'_, D>) -> [[f64; 3]; 2] {
+    let domain = &pictures.model.cloud.domain;
+    [of_three(&domain.lower), of_three(&domain.upper)]
+}
+
+/// The rim of a disc; `None` for chains, which are no cracks in space.
+fn rim(place: &CrackPlace) -> Option<Vec<[f64; 3]>> {
+    let CrackPlace::Disc {
+        centre,
+        normal,
+        radius,
+    } = place
+    else {
+        return None;
+    };
+    let normal = nalgebra::Vector3::from(*normal);
+    // Any direction that is not along the normal gives two in the disc.
+    let start = normal
+        .cross(&nalgebra::Vector3::ith(normal.iamin(), 1.0))
+        .normalize();
+    let other = normal.cross(&start);
+    let corner = |k: usize| {
+        let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
+        let at = *radius * (start * angle.cos() + other * angle.sin());
+        std::array::from_fn(|k| centre[k] + at[k])
+    };
+    Some((0..=CORNERS).map(corner).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rim_lies_in_its_disc_as_far_as_its_radius() {
+        let half = 0.5_f64.sqrt();
+        let place = CrackPlace::Disc {
+            centre: [1.0, 2.0, 3.0],
+            normal: [half, 0.0, half],
+            radius: 2.0,
+        };
+        for [x, y, z] in rim(&place).unwrap() {
+            let arm = [x - 1.0, y - 2.0, z - 3.0];
+            let length = arm.iter().map(|own| own * own).sum::<f64>().sqrt();
+            assert!((length - 2.0).abs() < 1e-12);
+            assert!((half * (arm[0] + arm[2])).abs() < 1e-12);
+        }
+        assert!(rim(&CrackPlace::Chain(vec![[0.0; 2], [1.0, 0.0]])).is_none());
+    }
+}
