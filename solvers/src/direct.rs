@@ -4,6 +4,7 @@ use crate::cholesky::{CholeskyFactor, Kind, Ordering};
 use crate::matrix::rounding_floor;
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, OptionSpec, OptionValue, Options};
+use crate::repeated::RepeatedRows;
 use crate::system::{ACCEPTED_RESIDUAL, AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, SolveError, SolveReport, SolverCounters};
 
@@ -61,6 +62,9 @@ pub(crate) struct Direct {
     symmetries: &'static [Symmetry],
     symbolic: Analyse,
     system: System,
+    /// Whether the points are a lattice, on which rows repeat.
+    lattice: bool,
+    repeated: Option<RepeatedRows>,
     factor: Option<Box<dyn Factor>>,
     counters: SolverCounters,
     candidate: Vec<f64>,
@@ -90,6 +94,8 @@ impl Direct {
             symmetries: backend.symmetries,
             symbolic,
             system: System::new(backend.name),
+            lattice: false,
+            repeated: None,
             factor: None,
             counters: SolverCounters::default(),
             candidate: Vec::new(),
@@ -119,7 +125,10 @@ impl Direct {
             for (candidate, x) in self.candidate.iter_mut().zip(x.iter()) {
                 *candidate += x;
             }
-            let refined = self.system.measure(matrix, &self.candidate, rhs);
+            let refined = match &self.repeated {
+                Some(rows) => measure_repeated(&mut self.system, rows, &self.candidate, rhs),
+                None => self.system.measure(matrix, &self.candidate, rhs),
+            };
             let halved = refined.plain <= 0.5 * found.plain;
             if refined.plain < found.plain {
                 x.copy_from_slice(&self.candidate);
@@ -133,6 +142,10 @@ impl Direct {
     }
 }
 
+fn measure_repeated(system: &mut System, rows: &RepeatedRows, x: &[f64], rhs: &[f64]) -> Residuals {
+    system.measure_by(x, rhs, |x, b, r| rows.residual(x, b, r))
+}
+
 impl LinearSolver for Direct {
     fn name(&self) -> &'static str {
         self.name
@@ -142,6 +155,7 @@ impl LinearSolver for Direct {
         self.factor = None;
         self.system.analyse(problem, self.symmetries)?;
         let factor = (self.symbolic)(problem)?;
+        (self.lattice, self.repeated) = (problem.lattice.is_ok(), None);
         self.counters.analyses += 1;
         (self.counters.factor_nonzeros, self.counters.factor_bytes) = factor.size();
         self.factor = Some(factor);
@@ -157,6 +171,10 @@ impl LinearSolver for Direct {
             });
         };
         factor.factorise(matrix)?;
+        self.repeated = match self.lattice {
+            true => RepeatedRows::of(matrix),
+            false => None,
+        };
         self.counters.refreshes += 1;
         self.counters.factorisations += 1;
         self.system.set_ready();
@@ -175,7 +193,10 @@ impl LinearSolver for Direct {
         if let Some(factor) = &mut self.factor {
             factor.solve_in_place(x);
         }
-        let first = self.system.measure(matrix, x, rhs);
+        let first = match &self.repeated {
+            Some(rows) => measure_repeated(&mut self.system, rows, x, rhs),
+            None => self.system.measure(matrix, x, rhs),
+        };
         let (found, refinements) = self.refine(matrix, rhs, x, first);
         self.counters.refinements += refinements as u64;
         let backward_stable =

@@ -35,6 +35,7 @@ mod petsc;
 mod preconditioner;
 mod problem;
 mod registry;
+mod repeated;
 mod report;
 mod share;
 #[cfg(test)]
@@ -60,6 +61,7 @@ pub use petsc::{
 pub use preconditioner::{PRECONDITIONERS, PreconditionerInfo};
 pub use problem::{Coordinates, NearNullspace, Problem, Symmetry};
 pub use registry::{BACKENDS, Backend, OptionSpec, OptionValue, Options};
+pub use repeated::RepeatedRows;
 pub use report::{FactorPrediction, SolveReport, SolverCounters};
 pub use spec::{Demand, SolverSpec};
 pub use team::{Communicator, thread_team};

@@ -57,22 +57,28 @@ impl<'a> Rows<'a> {
 
     fn times(&self, row: usize, x: &[f64]) -> f64 {
         let (columns, values) = self.row(row);
-        // Four independent sums keep the floating-point units busy.
-        let mut sums = [0.0; 4];
-        let (column_blocks, value_blocks) = (columns.chunks_exact(4), values.chunks_exact(4));
-        let tail_columns = column_blocks.remainder();
-        let tail_values = value_blocks.remainder();
-        for (columns, values) in column_blocks.zip(value_blocks) {
-            for lane in 0..4 {
-                sums[lane] += values[lane] * x[columns[lane] as usize];
-            }
-        }
-        let mut tail = 0.0;
-        for (column, value) in tail_columns.iter().zip(tail_values) {
-            tail += value * x[*column as usize];
-        }
-        ((sums[0] + sums[1]) + (sums[2] + sums[3])) + tail
+        four_sums(columns, values, |column| x[*column as usize])
     }
+}
+
+/// Σ value · x over a row, `at` giving what stands in x for a column. Four independent sums keep the floating-point
+/// units busy.
+#[inline]
+pub(crate) fn four_sums<C>(columns: &[C], values: &[f64], at: impl Fn(&C) -> f64) -> f64 {
+    let mut sums = [0.0; 4];
+    let (column_blocks, value_blocks) = (columns.chunks_exact(4), values.chunks_exact(4));
+    let tail_columns = column_blocks.remainder();
+    let tail_values = value_blocks.remainder();
+    for (columns, values) in column_blocks.zip(value_blocks) {
+        for lane in 0..4 {
+            sums[lane] += values[lane] * at(&columns[lane]);
+        }
+    }
+    let mut tail = 0.0;
+    for (column, value) in tail_columns.iter().zip(tail_values) {
+        tail += value * at(column);
+    }
+    ((sums[0] + sums[1]) + (sums[2] + sums[3])) + tail
 }
 
 /// Computes `y = A x`, parallel over rows; every row is summed by one thread.

@@ -195,6 +195,16 @@ impl System {
 
     /// Computes the residual of `x` afresh and keeps it.
     pub(crate) fn measure(&mut self, matrix: CsrView<'_>, x: &[f64], rhs: &[f64]) -> Residuals {
+        self.measure_by(x, rhs, |x, b, r| matrix::residual(matrix, x, b, r))
+    }
+
+    /// The same with a function that computes r = b − A x.
+    pub(crate) fn measure_by(
+        &mut self,
+        x: &[f64],
+        rhs: &[f64],
+        subtract: impl Fn(&[f64], &[f64], &mut [f64]),
+    ) -> Residuals {
         let norm = |weight: &[f64], vector: &[f64]| {
             let rows = vector.len();
             if weight.is_empty() {
@@ -207,7 +217,7 @@ impl System {
             self.residual.fill(0.0);
             return Residuals::ZERO;
         }
-        matrix::residual(matrix, x, rhs, &mut self.residual);
+        subtract(x, rhs, &mut self.residual);
         let weight = &self.inverse_diagonal;
         Residuals {
             plain: norm(&[], &self.residual) / size,

@@ -249,7 +249,11 @@ mod tests {
         assert!(errors.to_string().ends_with("2 errors in --set #1"));
         let both = [fault(0), set[0].clone()];
         let errors = SceneErrors::new(both.to_vec(), sources);
-        assert!(errors.to_string().ends_with("2 errors in case.toml and --set #1"));
+        assert!(
+            errors
+                .to_string()
+                .ends_with("2 errors in case.toml and --set #1")
+        );
     }
 
     #[test]

@@ -159,17 +159,27 @@ impl Monolithic {
     ) -> Result<Defect, StepError> {
         let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let a = self.coefficient.unwrap_or(0.0);
+        // A stage begins with an increment that is zero but for what is prescribed. Other processes may have more.
+        let shared = solid.subdomain().partition().is_some();
+        let moves = |values: &[f64]| shared || values.iter().any(|value| value.abs() != 0.0);
         let mut push = vec![0.0; x.displacement.len()];
-        coupling.add_pressure_force(solid, &x.pressure, &mut push);
+        if moves(&x.pressure) {
+            coupling.add_pressure_force(solid, &x.pressure, &mut push);
+        }
         let scale = |values: &[f64]| values.iter().map(|v| v.abs()).sum::<f64>();
         let driven = scale(&known.force) + scale(&push) + scale(&known.plates);
         let mut force: Vec<f64> = known.force.iter().zip(&push).map(|(f, p)| f + p).collect();
-        solid.subtract_internal(&x.displacement, &x.walls, &mut force);
-        let content = model.content(&x.displacement, &x.walls);
+        let mut content = vec![0.0; x.pressure.len()];
         let mut exchanged = vec![0.0; x.pressure.len()];
-        flow.subtract_exchange(&x.pressure, &mut exchanged);
         let mut held = vec![0.0; x.pressure.len()];
-        flow.subtract_stabilisation(&x.pressure, &mut held);
+        if moves(&x.displacement) || moves(&x.walls) {
+            solid.subtract_internal(&x.displacement, &x.walls, &mut force);
+            content = model.content(&x.displacement, &x.walls);
+        }
+        if moves(&x.pressure) {
+            flow.subtract_exchange(&x.pressure, &mut exchanged);
+            flow.subtract_stabilisation(&x.pressure, &mut held);
+        }
         let mut left = vec![0.0; x.pressure.len()];
         let mut flow_scale = 0.0;
         for i in 0..left.len() {

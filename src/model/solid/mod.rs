@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
-use perifrac_solvers::{CsrMatrix, CsrView, Lattice, multiply};
+use perifrac_solvers::{CsrMatrix, CsrView, Lattice, RepeatedRows, multiply};
 use rayon::prelude::*;
 
 use crate::assembly::{
@@ -42,6 +42,8 @@ pub struct SolidModel<const D: usize> {
     pub points: Pattern,
     /// K over unknowns, N/m (per metre of thickness in 2-D); empty likewise.
     pub stiffness: CsrMatrix,
+    /// Its rows, where they repeat.
+    repeated: Option<RepeatedRows>,
     /// K u from bonds, where no matrix is held.
     pub force: Option<ElasticForce<D>>,
     /// Loads.
@@ -143,6 +145,7 @@ impl<const D: usize> SolidModel<D> {
                 columns: Vec::new(),
             },
             stiffness: CsrMatrix::zero((0, 0)),
+            repeated: None,
             force: None,
             effects: Vec::new(),
             walls: Vec::new(),
@@ -229,6 +232,7 @@ impl<const D: usize> SolidModel<D> {
         let (elastic, values) = (&self.elastic, self.stiffness.data_mut());
         let fill = || fill_stiffness(elastic, repetition, &self.points, values);
         self.timers.time("assembly", fill);
+        self.repeated = repetition.and_then(|_| RepeatedRows::of(self.stiffness.view()));
         self.refills += 1;
     }
 
@@ -282,7 +286,10 @@ impl<const D: usize> SolidModel<D> {
         match &self.force {
             Some(force) => force.evaluate(&self.elastic, displacement, product),
             None => {
-                multiply(self.matrix(), displacement, product);
+                match &self.repeated {
+                    Some(rows) => rows.multiply(displacement, product),
+                    None => multiply(self.matrix(), displacement, product),
+                }
                 self.subdomain().complete(product, D);
             }
         }
@@ -348,7 +355,9 @@ impl<const D: usize> SolidModel<D> {
             ("solid-operator", self.elastic.bytes()),
             (
                 "solid-matrix",
-                self.points.bytes() + matrix_bytes(&self.stiffness),
+                self.points.bytes()
+                    + matrix_bytes(&self.stiffness)
+                    + self.repeated.as_ref().map_or(0, RepeatedRows::bytes),
             ),
             (
                 "solid-forces",
