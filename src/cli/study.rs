@@ -43,7 +43,8 @@ pub(super) struct Args {
     /// Time schemes to compare [default: all that suit the case]
     #[arg(long, value_name = "A,B", value_delimiter = ',')]
     schemes: Vec<String>,
-    /// Linear solvers to compare, separated by blanks [default: a factor and multigrid]
+    /// Linear solvers to compare, separated by blanks [default: a factor and multigrid;
+    /// for cost transforms as well, where they can be used]
     #[arg(long, value_name = "A B", value_delimiter = ' ')]
     solvers: Vec<String>,
     /// Points along the longest side [default: halved spacings around the case's own]

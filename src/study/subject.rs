@@ -1,7 +1,11 @@
 //! The case of a study: its scene as typed, its plan, and the grids it can have.
 
-use crate::plan::{GeometryPlan, Plan};
-use crate::scene::{Geometry, LoadedScene};
+use std::sync::OnceLock;
+
+use crate::model::sample;
+use crate::plan::capability::systems;
+use crate::plan::{GeometryPlan, Integrator, Plan, SchemeChoice};
+use crate::scene::{Geometry, LoadedScene, SchemeName};
 
 use super::{Method, Options};
 
@@ -16,6 +20,8 @@ pub(crate) struct StudyCase {
     pub plan: Plan,
     fingerprint: u64,
     by_spacing: bool,
+    /// Schemes that transforms suit, once asked for.
+    transformed: OnceLock<Vec<SchemeName>>,
 }
 
 /// A cloud of the case, coarser or finer than its own.
@@ -29,6 +35,33 @@ pub(crate) struct Grid {
     pub along: usize,
     /// Override that makes it; none for the case's own.
     pub overrides: Option<String>,
+}
+
+/// Schemes all of whose systems transforms take apart; none where a plan cannot be sampled, which its runs will tell.
+fn transformed(plan: &Plan) -> Vec<SchemeName> {
+    let integrator = Integrator::TrBdf2;
+    let schemes = [
+        SchemeChoice::Implicit(integrator),
+        SchemeChoice::SemiImplicit(integrator),
+        SchemeChoice::Staggered(integrator),
+        SchemeChoice::Monolithic(integrator),
+    ];
+    let suits = |scheme: &SchemeChoice| {
+        let scheme = *scheme;
+        let plan = Plan {
+            scheme,
+            ..plan.clone()
+        };
+        let sampled = match plan.dimension {
+            2 => sample::<2>(&plan),
+            _ => sample::<3>(&plan),
+        };
+        let separates = sampled.map_or_else(|_| Vec::new(), |sample| sample.separates);
+        let systems = systems(&plan);
+        !systems.is_empty() && systems.iter().all(|system| separates.contains(system))
+    };
+    let suited = schemes.into_iter().filter(suits);
+    suited.map(SchemeChoice::scheme).collect()
 }
 
 impl StudyCase {
@@ -46,6 +79,7 @@ impl StudyCase {
         StudyCase {
             scene: scene.to_owned(),
             overrides,
+            transformed: OnceLock::new(),
             plan,
             fingerprint: fingerprint(&loaded.resolved_toml()),
             by_spacing: lattice,
@@ -102,6 +136,16 @@ impl StudyCase {
             _ => &["faer-llt", "faer-cg:preconditioner=amg"],
         };
         names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// The solvers of [`Self::solvers`] after that by transforms, which is the fastest where it can be used.
+    pub(crate) fn fastest_solvers(&self, scheme: &str, options: &Options) -> Vec<String> {
+        let mut solvers = self.solvers(scheme, options);
+        let suited = self.transformed.get_or_init(|| transformed(&self.plan));
+        if options.solvers.is_empty() && suited.iter().any(|own| own.name() == scheme) {
+            solvers.insert(0, "fourier".to_owned());
+        }
+        solvers
     }
 
     /// Lattices between `fewest` and `most` points that divide the domain as the case's own does,

@@ -32,6 +32,30 @@ fn subject(case: &str) -> StudyCase {
     StudyCase::new(case, &loaded, plan, Vec::new())
 }
 
+/// Where rows repeat along all axes but one, and only there; solvers that the user names are all there are.
+#[test]
+fn the_study_of_cost_compares_transforms_where_they_can_be_used() {
+    let first = |case: &str, scheme: &str, options: &Options| {
+        subject(case).fastest_solvers(scheme, options).remove(0)
+    };
+    let options = Options::default();
+    for (case, scheme, solver) in [
+        ("terzaghi", "monolithic", "fourier"),
+        ("terzaghi", "staggered", "fourier"),
+        ("terzaghi", "explicit", "-"),
+        ("terzaghi-graded", "monolithic", "faer-ldlt"),
+        ("two-layer", "implicit", "fourier"),
+        ("heterogeneous", "implicit", "faer-llt"),
+    ] {
+        assert_eq!(first(case, scheme, &options), solver, "{case} {scheme}");
+    }
+    let named = Options {
+        solvers: vec!["faer-ldlt".to_owned()],
+        ..Options::default()
+    };
+    assert_eq!(first("terzaghi", "monolithic", &named), "faer-ldlt");
+}
+
 /// Planned runs of a study, all of one status; those done took a second and left nothing else.
 fn planned(kind: &dyn Study, subject: &StudyCase, status: Status) -> Vec<Measured> {
     let options = Options {

@@ -100,7 +100,7 @@ fn on_grid(
 ) -> Vec<Variant> {
     let mut variants = Vec::new();
     for method in subject.methods(options) {
-        let solvers = subject.solvers(method.scheme, options);
+        let solvers = subject.fastest_solvers(method.scheme, options);
         let main = method.integrator == Some("tr-bdf2") && method.scheme != "semi-implicit";
         let solvers = if main { &solvers[..] } else { &solvers[..1] };
         let adaptive = method.integrator.is_some() && subject.plan.time.mode == TimeMode::Transient;
@@ -131,7 +131,7 @@ fn steady(subject: &StudyCase, options: &Options, grids: &[Grid]) -> Vec<Variant
         scheme: "implicit",
         integrator: None,
     };
-    let solvers = subject.solvers(method.scheme, options);
+    let solvers = subject.fastest_solvers(method.scheme, options);
     let pairs = grids
         .iter()
         .flat_map(|grid| solvers.iter().map(move |solver| (grid, solver)));

@@ -63,7 +63,7 @@ function dataset(series, label, hidden) {
     showLine: !marked, borderColor: series.colour, backgroundColor: series.colour,
     borderWidth: series.style === 'thin' ? 1 : 2.5,
     borderDash: series.style === 'dashed' ? DASHES[series.group % DASHES.length] : [],
-    pointStyle: MARKS[series.group % MARKS.length],
+    pointStyle: MARKS[series.mark],
     pointRadius: marked ? 5 : 0, pointHoverRadius: 7, pointHitRadius: 10,
   };
 }

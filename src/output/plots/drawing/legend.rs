@@ -55,6 +55,11 @@ impl Look {
         PALETTE[self.index % PALETTE.len()]
     }
 
+    /// Number of the mark's form. Forms and colours are as many, and of curves of one colour each has its own form.
+    pub(super) fn form(&self) -> usize {
+        (self.index + self.index / PALETTE.len()) % PALETTE.len()
+    }
+
     /// Draws the curve through the places, without marks.
     pub(super) fn stroke<B: DrawingBackend>(
         &self,
@@ -80,7 +85,7 @@ impl Look {
         canvas: &mut Canvas<B>,
         (x, y): Place,
     ) -> Drawn<()> {
-        let corners: &[Place] = match self.index % 7 {
+        let corners: &[Place] = match self.form() {
             0 => return canvas.disc((x, y), 4.2, self.colour()),
             1 => &[(-3.8, -3.8), (3.8, -3.8), (3.8, 3.8), (-3.8, 3.8)],
             2 => &[(0.0, -5.2), (4.9, 3.6), (-4.9, 3.6)],

@@ -49,6 +49,7 @@ fn one(plot: &LinePlot<'_>, series: &Series<'_>, look: &Look, divisors: (f64, f6
             LineStyle::Thin => "thin",
         },
         "group": look.index,
+        "mark": look.form(),
         "colour": format!("#{red:02x}{green:02x}{blue:02x}"),
         "of": pairs.len(),
         "x": column(|pair| pair.0, divisors.0),
