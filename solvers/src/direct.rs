@@ -4,7 +4,6 @@ use crate::cholesky::{CholeskyFactor, Kind, Ordering};
 use crate::matrix::rounding_floor;
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, OptionSpec, OptionValue, Options};
-use crate::repeated::RepeatedRows;
 use crate::system::{ACCEPTED_RESIDUAL, AT_THE_FLOOR, Residuals, System};
 use crate::{CsrView, LinearSolver, SolveError, SolveReport, SolverCounters};
 
@@ -62,9 +61,6 @@ pub(crate) struct Direct {
     symmetries: &'static [Symmetry],
     symbolic: Analyse,
     system: System,
-    /// Whether the points are a lattice, on which rows repeat.
-    lattice: bool,
-    repeated: Option<RepeatedRows>,
     factor: Option<Box<dyn Factor>>,
     counters: SolverCounters,
     candidate: Vec<f64>,
@@ -94,8 +90,6 @@ impl Direct {
             symmetries: backend.symmetries,
             symbolic,
             system: System::new(backend.name),
-            lattice: false,
-            repeated: None,
             factor: None,
             counters: SolverCounters::default(),
             candidate: Vec::new(),
@@ -125,10 +119,7 @@ impl Direct {
             for (candidate, x) in self.candidate.iter_mut().zip(x.iter()) {
                 *candidate += x;
             }
-            let refined = match &self.repeated {
-                Some(rows) => measure_repeated(&mut self.system, rows, &self.candidate, rhs),
-                None => self.system.measure(matrix, &self.candidate, rhs),
-            };
+            let refined = self.system.measure(matrix, &self.candidate, rhs);
             let halved = refined.plain <= 0.5 * found.plain;
             if refined.plain < found.plain {
                 x.copy_from_slice(&self.candidate);
@@ -142,10 +133,6 @@ impl Direct {
     }
 }
 
-fn measure_repeated(system: &mut System, rows: &RepeatedRows, x: &[f64], rhs: &[f64]) -> Residuals {
-    system.measure_by(x, rhs, |x, b, r| rows.residual(x, b, r))
-}
-
 impl LinearSolver for Direct {
     fn name(&self) -> &'static str {
         self.name
@@ -155,7 +142,6 @@ impl LinearSolver for Direct {
         self.factor = None;
         self.system.analyse(problem, self.symmetries)?;
         let factor = (self.symbolic)(problem)?;
-        (self.lattice, self.repeated) = (problem.lattice.is_ok(), None);
         self.counters.analyses += 1;
         (self.counters.factor_nonzeros, self.counters.factor_bytes) = factor.size();
         self.factor = Some(factor);
@@ -171,10 +157,7 @@ impl LinearSolver for Direct {
             });
         };
         factor.factorise(matrix)?;
-        self.repeated = match self.lattice {
-            true => RepeatedRows::of(matrix),
-            false => None,
-        };
+        self.system.keep_distinct_rows(matrix);
         self.counters.refreshes += 1;
         self.counters.factorisations += 1;
         self.system.set_ready();
@@ -193,10 +176,7 @@ impl LinearSolver for Direct {
         if let Some(factor) = &mut self.factor {
             factor.solve_in_place(x);
         }
-        let first = match &self.repeated {
-            Some(rows) => measure_repeated(&mut self.system, rows, x, rhs),
-            None => self.system.measure(matrix, x, rhs),
-        };
+        let first = self.system.measure(matrix, x, rhs);
         let (found, refinements) = self.refine(matrix, rhs, x, first);
         self.counters.refinements += refinements as u64;
         let backward_stable =

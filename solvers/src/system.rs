@@ -3,6 +3,7 @@
 use crate::interrupt;
 use crate::matrix::{self, Fingerprint};
 use crate::problem::{Problem, Symmetry};
+use crate::repeated::RepeatedRows;
 use crate::share::Share;
 use crate::{CsrView, SolveError, SolveReport};
 
@@ -23,6 +24,9 @@ pub(crate) struct System {
     ready: bool,
     diagonal: Vec<f64>,
     inverse_diagonal: Vec<f64>,
+    /// Whether the points are a lattice, on which rows repeat.
+    lattice: bool,
+    distinct_rows: Option<RepeatedRows>,
     /// Last residual measured, b − A x.
     pub(crate) residual: Vec<f64>,
 }
@@ -59,6 +63,8 @@ impl System {
             ready: false,
             diagonal: Vec::new(),
             inverse_diagonal: Vec::new(),
+            lattice: false,
+            distinct_rows: None,
             residual: Vec::new(),
         }
     }
@@ -84,6 +90,7 @@ impl System {
         admit(self.solver, problem.symmetry, supported, shared)?;
         self.pattern = Some(Fingerprint::of(problem.pattern));
         self.share = Share::of(problem);
+        self.lattice = problem.lattice.is_ok();
         self.residual = vec![0.0; problem.unknowns()];
         Ok(())
     }
@@ -91,6 +98,7 @@ impl System {
     /// Checks new values and takes their diagonal. The caller then calls [`Self::set_ready`].
     pub(crate) fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
         self.ready = false;
+        self.distinct_rows = None;
         let Some(expected) = self.pattern else {
             return self.missing("analyse");
         };
@@ -103,6 +111,14 @@ impl System {
         let invert = |value: &f64| if value.abs() > 0.0 { 1.0 / value } else { 1.0 };
         self.inverse_diagonal = self.diagonal.iter().map(invert).collect();
         Ok(())
+    }
+
+    /// Keeps the distinct rows of a matrix on a lattice for residuals: for backends that are asked to solve with the
+    /// refreshed matrix only.
+    pub(crate) fn keep_distinct_rows(&mut self, matrix: CsrView<'_>) {
+        if self.lattice {
+            self.distinct_rows = RepeatedRows::of(matrix);
+        }
     }
 
     /// Declares that the factor or preconditioner of the refreshed values stands.
@@ -195,16 +211,6 @@ impl System {
 
     /// Computes the residual of `x` afresh and keeps it.
     pub(crate) fn measure(&mut self, matrix: CsrView<'_>, x: &[f64], rhs: &[f64]) -> Residuals {
-        self.measure_by(x, rhs, |x, b, r| matrix::residual(matrix, x, b, r))
-    }
-
-    /// The same with a function that computes r = b − A x.
-    pub(crate) fn measure_by(
-        &mut self,
-        x: &[f64],
-        rhs: &[f64],
-        subtract: impl Fn(&[f64], &[f64], &mut [f64]),
-    ) -> Residuals {
         let norm = |weight: &[f64], vector: &[f64]| {
             let rows = vector.len();
             if weight.is_empty() {
@@ -217,7 +223,10 @@ impl System {
             self.residual.fill(0.0);
             return Residuals::ZERO;
         }
-        subtract(x, rhs, &mut self.residual);
+        match &self.distinct_rows {
+            Some(rows) => rows.residual(x, rhs, &mut self.residual),
+            None => matrix::residual(matrix, x, rhs, &mut self.residual),
+        }
         let weight = &self.inverse_diagonal;
         Residuals {
             plain: norm(&[], &self.residual) / size,

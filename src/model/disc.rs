@@ -22,6 +22,8 @@ pub struct Disc<const D: usize> {
 const RAYS: usize = 2000;
 /// Rays that are tried for places on the disc.
 const TRIED: usize = 64;
+/// Corners of a rim that is drawn: it leaves the circle by a thousandth of the radius.
+const CORNERS: usize = 72;
 
 impl<const D: usize> Disc<D> {
     /// The disc of a place in space; `None` for a chain.
@@ -57,6 +59,13 @@ impl<const D: usize> Disc<D> {
 
     fn direction(&self, angle: f64) -> Vector<D> {
         self.plane[0] * angle.cos() + self.plane[1] * angle.sin()
+    }
+
+    /// Corners of its rim, closed, m.
+    pub fn rim(&self) -> Vec<Vector<D>> {
+        let step = 2.0 * PI / CORNERS as f64;
+        let corner = |k: usize| self.centre + self.direction(k as f64 * step) * self.radius;
+        (0..=CORNERS).map(corner).collect()
     }
 
     /// Where a ray from the centre is in the domain, m from the centre.
@@ -143,6 +152,18 @@ mod tests {
             radius,
         };
         Disc::of(&place).unwrap()
+    }
+
+    #[test]
+    fn a_rim_lies_in_its_disc_as_far_as_its_radius() {
+        let disc = disc([1.0, 2.0, 3.0], [1.0, 0.0, 1.0], 2.0);
+        let rim = disc.rim();
+        assert!((rim[0] - rim[rim.len() - 1]).norm() < 1e-12);
+        for corner in rim {
+            let arm = corner - disc.centre;
+            assert!((arm.norm() - 2.0).abs() < 1e-12);
+            assert!(arm.dot(&disc.normal).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -4,15 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::fields::Snapshot;
 use super::grid::Grid;
-use crate::model::Model;
+use crate::geometry::Vector;
+use crate::model::{Disc, Model};
 use crate::output::OutputError;
 use crate::plan::{CrackPlace, GeometryPlan, Plan, PointFields, read_fields};
 
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// Corners of a drawn circle.
-const CORNERS: usize = 72;
 
 /// The points of one picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -207,11 +205,7 @@ impl Section {
     pub(super) fn cracks(&self, plan: &Plan) -> Vec<Vec<[f64; 2]>> {
         let line = |place: &CrackPlace| match place {
             CrackPlace::Chain(points) => Some(points.clone()),
-            CrackPlace::Disc {
-                centre,
-                normal,
-                radius,
-            } => self.of_disc(centre, normal, *radius),
+            CrackPlace::Disc { .. } => self.of_disc(&Disc::of(place)?),
         };
         plan.cracks
             .iter()
@@ -219,39 +213,22 @@ impl Section {
             .collect()
     }
 
-    fn of_disc(&self, centre: &[f64; 3], normal: &[f64; 3], radius: f64) -> Option<Vec<[f64; 2]>> {
-        let (own, across) = (self.normal, self.across());
-        let flat = |x: [f64; 3]| across.map(|axis| x[axis]);
+    fn of_disc(&self, disc: &Disc<3>) -> Option<Vec<[f64; 2]>> {
+        let (own, normal) = (self.normal, disc.normal);
+        let flat = |x: &Vector<3>| self.across().map(|axis| x[axis]);
+        let off = self.at - disc.centre[own];
         let slope = (1.0 - normal[own] * normal[own]).max(0.0).sqrt();
         if slope < 1e-6 {
-            let near = (centre[own] - self.at).abs() <= 1.001 * self.half;
-            let corner = |k: usize| {
-                let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
-                let [a, b] = flat(*centre);
-                [a + radius * angle.cos(), b + radius * angle.sin()]
-            };
-            return near.then(|| (0..=CORNERS).map(corner).collect());
+            let near = off.abs() <= 1.001 * self.half;
+            return near.then(|| disc.rim().iter().map(flat).collect());
         }
         // Down the slope of the disc to the section, then half a chord to both sides.
-        let step = (self.at - centre[own]) / slope;
-        let half = (radius * radius - step * step).max(0.0).sqrt();
-        let unit = |axis: usize| f64::from(u8::from(axis == own));
-        let down: [f64; 3] = std::array::from_fn(|k| (unit(k) - normal[own] * normal[k]) / slope);
-        let chord = cross(normal, &down);
-        let end = |sign: f64| {
-            flat(std::array::from_fn(|k| {
-                centre[k] + step * down[k] + sign * half * chord[k]
-            }))
-        };
-        (half > 0.0).then(|| vec![end(-1.0), end(1.0)])
+        let step = off / slope;
+        let half = (disc.radius * disc.radius - step * step).max(0.0).sqrt();
+        let down = (Vector::ith(own, 1.0) - normal * normal[own]) / slope;
+        let (middle, arm) = (disc.centre + down * step, normal.cross(&down) * half);
+        (half > 0.0).then(|| vec![flat(&(middle - arm)), flat(&(middle + arm))])
     }
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
-    })
 }
 
 /// Four digits.
@@ -273,6 +250,15 @@ mod tests {
         }
     }
 
+    fn disc(centre: [f64; 3], normal: [f64; 3], radius: f64) -> Disc<3> {
+        let place = CrackPlace::Disc {
+            centre,
+            normal,
+            radius,
+        };
+        Disc::of(&place).unwrap()
+    }
+
     fn close(found: &[[f64; 2]], expected: &[[f64; 2]]) -> bool {
         let near = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12;
         found.len() == expected.len() && found.iter().zip(expected).all(near)
@@ -283,12 +269,12 @@ mod tests {
     #[test]
     fn a_disc_is_cut_in_a_chord() {
         let chord = section(0, 4.0)
-            .of_disc(&[1.0, 2.0, 3.0], &[0.0, 0.0, 1.0], 5.0)
+            .of_disc(&disc([1.0, 2.0, 3.0], [0.0, 0.0, 1.0], 5.0))
             .unwrap();
         let mut chord = chord;
         chord.sort_by(|a, b| a[0].total_cmp(&b[0]));
         assert!(close(&chord, &[[-2.0, 3.0], [6.0, 3.0]]), "{chord:?}");
-        let beyond = section(0, 7.0).of_disc(&[1.0, 2.0, 3.0], &[0.0, 0.0, 1.0], 5.0);
+        let beyond = section(0, 7.0).of_disc(&disc([1.0, 2.0, 3.0], [0.0, 0.0, 1.0], 5.0));
         assert!(beyond.is_none());
     }
 
@@ -297,7 +283,7 @@ mod tests {
     fn an_inclined_disc_is_cut_where_it_meets_the_section() {
         let half = 0.5_f64.sqrt();
         let chord = section(2, 1.0)
-            .of_disc(&[0.0; 3], &[-half, 0.0, half], 2.0)
+            .of_disc(&disc([0.0; 3], [-half, 0.0, half], 2.0))
             .unwrap();
         assert!(
             chord.iter().all(|end| (end[0] - 1.0).abs() < 1e-12),
@@ -311,7 +297,7 @@ mod tests {
     fn a_disc_in_the_section_is_drawn_by_its_rim() {
         let normal = [0.0, 0.0, 1.0];
         let rim = section(2, 3.05)
-            .of_disc(&[1.0, 2.0, 3.0], &normal, 5.0)
+            .of_disc(&disc([1.0, 2.0, 3.0], normal, 5.0))
             .unwrap();
         assert!(
             rim.iter()
@@ -319,7 +305,7 @@ mod tests {
         );
         assert!(
             section(2, 3.2)
-                .of_disc(&[1.0, 2.0, 3.0], &normal, 5.0)
+                .of_disc(&disc([1.0, 2.0, 3.0], normal, 5.0))
                 .is_none()
         );
     }

@@ -3,17 +3,15 @@
 use super::super::fracture::CrackTracker;
 use super::pictures::Pictures;
 use crate::geometry::Vector;
+use crate::model::Disc;
 use crate::output::{IsometricPlot, OutputError, Tile, isometric_png};
-use crate::plan::{CrackPlace, TimeMode};
+use crate::plan::TimeMode;
 use crate::run::quantities::{Quantity, drawn};
 
 const WIDTH: u32 = 900;
 
 /// Damage from which on it is shown.
 const NOTABLE: f64 = 0.1;
-
-/// Corners of a drawn rim.
-const CORNERS: usize = 72;
 
 /// Quantities in the order in which one of them is shown: damage where there is some, pressure, displacement.
 const FIRST: [usize; 3] = [3, 0, 1];
@@ -148,10 +146,12 @@ fn surface<const D: usize>(
         return Ok(());
     }
     let places = broken(pictures, tracker);
-    let rims: Vec<Vec<[f64; 3]>> = plan
+    let discs = plan
         .cracks
         .iter()
-        .filter_map(|own| rim(&own.place))
+        .filter_map(|own| Disc::<D>::of(&own.place));
+    let rims: Vec<Vec<[f64; 3]>> = discs
+        .map(|disc| disc.rim().iter().map(of_three).collect())
         .collect();
     let mut notes = vec![match places.is_empty() {
         true => "nothing broke".to_owned(),
@@ -187,50 +187,4 @@ fn of_three<const D: usize>(x: &Vector<D>) -> [f64; 3] {
 fn bounds<const D: usize>(pictures: &Pictures<'_, D>) -> [[f64; 3]; 2] {
     let domain = &pictures.model.cloud.domain;
     [of_three(&domain.lower), of_three(&domain.upper)]
-}
-
-/// The rim of a disc; `None` for chains, which are no cracks in space.
-fn rim(place: &CrackPlace) -> Option<Vec<[f64; 3]>> {
-    let CrackPlace::Disc {
-        centre,
-        normal,
-        radius,
-    } = place
-    else {
-        return None;
-    };
-    let normal = nalgebra::Vector3::from(*normal);
-    // Any direction that is not along the normal gives two in the disc.
-    let start = normal
-        .cross(&nalgebra::Vector3::ith(normal.iamin(), 1.0))
-        .normalize();
-    let other = normal.cross(&start);
-    let corner = |k: usize| {
-        let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
-        let at = *radius * (start * angle.cos() + other * angle.sin());
-        std::array::from_fn(|k| centre[k] + at[k])
-    };
-    Some((0..=CORNERS).map(corner).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_rim_lies_in_its_disc_as_far_as_its_radius() {
-        let half = 0.5_f64.sqrt();
-        let place = CrackPlace::Disc {
-            centre: [1.0, 2.0, 3.0],
-            normal: [half, 0.0, half],
-            radius: 2.0,
-        };
-        for [x, y, z] in rim(&place).unwrap() {
-            let arm = [x - 1.0, y - 2.0, z - 3.0];
-            let length = arm.iter().map(|own| own * own).sum::<f64>().sqrt();
-            assert!((length - 2.0).abs() < 1e-12);
-            assert!((half * (arm[0] + arm[2])).abs() < 1e-12);
-        }
-        assert!(rim(&CrackPlace::Chain(vec![[0.0; 2], [1.0, 0.0]])).is_none());
-    }
 }

@@ -10,10 +10,10 @@ use super::colours::ColourScale;
 use super::layout::{Content, Layout};
 use super::overlay::{draw_lines, draw_outlines};
 use super::page::Page;
-use super::raster::{Cell, Picture, Window, paint_cells};
+use super::raster::{Cell, Picture, Window, paint_cells, write_png};
 use super::units::{Shown, engineering, readable_time};
 use super::{Drawn, FieldPlot, PictureFacts, Scale};
-use crate::output::{OutputError, write_atomically};
+use crate::output::OutputError;
 
 /// Limits of the width of a picture, px.
 pub(super) const WIDTHS: (u32, u32) = (400, 8000);
@@ -27,13 +27,7 @@ pub(super) const WIDTHS: (u32, u32) = (400, 8000);
 pub fn field_png(path: impl AsRef<Path>, plot: &FieldPlot<'_>) -> Result<(), OutputError> {
     let path = path.as_ref();
     check(path, plot)?;
-    let bytes = draw(plot)
-        .and_then(|picture| picture.encode())
-        .map_err(|reason| OutputError::Drawing {
-            path: path.to_path_buf(),
-            reason,
-        })?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    write_png(path, draw(plot))
 }
 
 fn check(path: &Path, plot: &FieldPlot<'_>) -> Result<(), OutputError> {

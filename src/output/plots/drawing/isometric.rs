@@ -11,10 +11,10 @@ use super::colours::ColourScale;
 use super::field::WIDTHS;
 use super::layout::{Content, Layout};
 use super::page::Page;
-use super::raster::Picture;
+use super::raster::{Picture, write_png};
 use super::units::{engineering, short_number};
 use super::{Drawn, IsometricPlot, Place};
-use crate::output::{OutputError, write_atomically};
+use crate::output::OutputError;
 
 /// Cosine and sine of 30°, under which the level axes run.
 const SLANT: (f64, f64) = (0.866_025_403_784_438_6, 0.5);
@@ -28,13 +28,7 @@ const ROOM: f64 = 0.08;
 /// [`OutputError::Drawing`] if the picture fails, else those of [`write_atomically`].
 pub fn isometric_png(path: impl AsRef<Path>, plot: &IsometricPlot<'_>) -> Result<(), OutputError> {
     let path = path.as_ref();
-    let bytes = draw(plot)
-        .and_then(|picture| picture.encode())
-        .map_err(|reason| OutputError::Drawing {
-            path: path.to_path_buf(),
-            reason,
-        })?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    write_png(path, draw(plot))
 }
 
 /// To the right and upwards, m.

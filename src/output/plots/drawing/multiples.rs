@@ -12,10 +12,10 @@ use super::colours::ColourScale;
 use super::field::{WIDTHS, cells, of_lines, units};
 use super::grid::{Contents, Grid, Panel};
 use super::overlay::{draw_lines, draw_outlines};
-use super::raster::{Picture, paint_cells};
+use super::raster::{Picture, paint_cells, write_png};
 use super::units::{axis_label, readable_time};
 use super::{Drawn, FieldPlot, Multiples, Scale};
-use crate::output::{OutputError, write_atomically};
+use crate::output::OutputError;
 
 /// Most panels of one picture.
 const MOST_PANELS: usize = 12;
@@ -34,13 +34,7 @@ pub fn multiples_png(path: impl AsRef<Path>, plot: &Multiples<'_>) -> Result<(),
         let count = plot.frames.len().to_string();
         return Err(unsupported(path, "the number of frames", count, "1 to 12"));
     }
-    let bytes = draw(plot)
-        .and_then(|picture| picture.encode())
-        .map_err(|reason| OutputError::Drawing {
-            path: path.to_path_buf(),
-            reason,
-        })?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    write_png(path, draw(plot))
 }
 
 /// The error for an argument that is out of bounds.

@@ -1,8 +1,11 @@
 //! Pictures of coloured pixels, and point cells painted onto them.
 
+use std::path::Path;
+
 use super::axes::{Axis, Frame};
 use super::canvas::Colour;
 use super::{Drawn, PICTURE_KEY, PictureFacts};
+use crate::output::{OutputError, write_atomically};
 
 /// Cells are painted this much larger than they are, so that rounding leaves no gap between them.
 const OVERLAP: f64 = 1.06;
@@ -17,6 +20,19 @@ pub(super) struct Picture {
     pub pixels: Vec<u8>,
     /// What the file tells beside the pixels.
     pub facts: Option<PictureFacts>,
+}
+
+/// Writes a picture that was drawn as a PNG file, atomically.
+///
+/// # Errors
+/// [`OutputError::Drawing`] if drawing failed, else those of [`write_atomically`].
+pub(super) fn write_png(path: &Path, picture: Drawn<Picture>) -> Result<(), OutputError> {
+    let bytes = picture.and_then(|picture| picture.encode());
+    let bytes = bytes.map_err(|reason| OutputError::Drawing {
+        path: path.to_path_buf(),
+        reason,
+    })?;
+    write_atomically(path, |writer| writer.write_all(&bytes))
 }
 
 impl Picture {

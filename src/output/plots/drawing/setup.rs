@@ -12,10 +12,10 @@ use super::field::{WIDTHS, cells};
 use super::layout::{Content, Layout};
 use super::overlay::{draw_lines, draw_outlines};
 use super::page::Page;
-use super::raster::{Cell, Picture, Window, paint_cells};
+use super::raster::{Cell, Picture, Window, paint_cells, write_png};
 use super::units::engineering;
 use super::{About, Drawn, FieldPlot, Place, Scale, SetupMark, SetupPlot, SideSign, Sign};
-use crate::output::{OutputError, write_atomically};
+use crate::output::OutputError;
 
 /// Pale colours, on which points, signs and lines stand out.
 const PALE: [Colour; 6] = [
@@ -43,13 +43,7 @@ pub fn setup_png(path: impl AsRef<Path>, plot: &SetupPlot<'_>) -> Result<(), Out
     let points = plot.group.len();
     OutputError::check_length(path, "positions", 2 * points, plot.positions.len())?;
     OutputError::check_length(path, "cell sizes", points, plot.sizes.len())?;
-    let bytes = draw(plot)
-        .and_then(|picture| picture.encode())
-        .map_err(|reason| OutputError::Drawing {
-            path: path.to_path_buf(),
-            reason,
-        })?;
-    write_atomically(path, |writer| writer.write_all(&bytes))
+    write_png(path, draw(plot))
 }
 
 /// A place in the plane, m, as one on the picture.
