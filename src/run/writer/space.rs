@@ -153,19 +153,20 @@ fn surface<const D: usize>(
     let rims: Vec<Vec<[f64; 3]>> = discs
         .map(|disc| disc.rim().iter().map(of_three).collect())
         .collect();
-    let mut notes = vec![match places.is_empty() {
-        true => "nothing broke".to_owned(),
-        false => "a disc at each point that broke after the start".to_owned(),
-    }];
+    let (colours, note) = match places.is_empty() {
+        true => ("", "nothing broke after the start"),
+        false => (
+            ", colours: time at which a point broke",
+            "a disc at each point that broke after the start",
+        ),
+    };
+    let mut notes = vec![note.to_owned()];
     notes
         .extend((!rims.is_empty()).then(|| "dark lines: rims of cracks from the start".to_owned()));
     let edges = model.cloud.cell.iter().map(|cell| cell.min());
     let size = edges.fold(f64::INFINITY, f64::min);
     let plot = IsometricPlot {
-        title: &format!(
-            "{}: crack surface, colours: time at which a point broke",
-            plan.title
-        ),
+        title: &format!("{}: crack surface{colours}", plan.title),
         unit: "s",
         bounds: bounds(pictures),
         tiles: &[],
