@@ -23,7 +23,7 @@ pub(super) const WIDTHS: (u32, u32) = (400, 8000);
 /// # Errors
 /// [`OutputError::Shape`] for arrays that do not fit together, [`OutputError::Unsupported`] for
 /// another dimension, [`OutputError::Drawing`] if the picture fails, else those of
-/// [`write_atomically`].
+/// [`write_atomically`](crate::output::write_atomically).
 pub fn field_png(path: impl AsRef<Path>, plot: &FieldPlot<'_>) -> Result<(), OutputError> {
     let path = path.as_ref();
     check(path, plot)?;

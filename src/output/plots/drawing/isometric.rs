@@ -25,7 +25,7 @@ const ROOM: f64 = 0.08;
 /// Draws sections and broken places as a PNG picture, written atomically.
 ///
 /// # Errors
-/// [`OutputError::Drawing`] if the picture fails, else those of [`write_atomically`].
+/// [`OutputError::Drawing`] if the picture fails, else those of [`write_atomically`](crate::output::write_atomically).
 pub fn isometric_png(path: impl AsRef<Path>, plot: &IsometricPlot<'_>) -> Result<(), OutputError> {
     let path = path.as_ref();
     write_png(path, draw(plot))

@@ -26,7 +26,7 @@ const MOST_PANELS: usize = 12;
 /// # Errors
 /// [`OutputError::Shape`] for arrays that do not fit together, [`OutputError::Unsupported`] without
 /// points, for no frames or more than 12 and for times that are not finite,
-/// [`OutputError::Drawing`] if the picture fails, else those of [`write_atomically`].
+/// [`OutputError::Drawing`] if the picture fails, else those of [`write_atomically`](crate::output::write_atomically).
 pub fn multiples_png(path: impl AsRef<Path>, plot: &Multiples<'_>) -> Result<(), OutputError> {
     let path = path.as_ref();
     plot.check(path)?;

@@ -37,7 +37,7 @@ const MOST_DOTS: usize = 20_000;
 ///
 /// # Errors
 /// [`OutputError::Shape`] for arrays that do not fit together, [`OutputError::Drawing`] if the picture fails, else
-/// those of [`write_atomically`].
+/// those of [`write_atomically`](crate::output::write_atomically).
 pub fn setup_png(path: impl AsRef<Path>, plot: &SetupPlot<'_>) -> Result<(), OutputError> {
     let path = path.as_ref();
     let points = plot.group.len();
