@@ -109,9 +109,12 @@ impl Outline {
             }
             _ => {
                 let levels = (points.log2() - 8.7).max(1.0);
+                let reach = width.sqrt();
+                // Dissection ends at pieces that rows reach across, which cost as their entries do.
+                let dissected = (points.sqrt() - 4.4 * reach).max(0.0);
                 (
                     own.powi(2) * width * points * levels,
-                    8.0 * (own * width.sqrt()).powi(3) * points.powf(1.5),
+                    14.5 * (own * reach * dissected).powi(3),
                 )
             }
         };
@@ -221,6 +224,8 @@ mod tests {
             (plane(160_000, 1, 62.0), 85.6, 2.7),
             (plane(40_000, 2, 63.0), 65.1, 2.6),
             (plane(160_000, 2, 63.0), 341.0, 22.7),
+            (plane(10_000, 2, 68.0), 9.0, 0.18),
+            (plane(3_600, 2, 66.0), 2.7, 0.062),
         ];
         for (outline, millions, seconds) in measured {
             let entries = outline.factor().nonzeros / 1e6 / millions;
