@@ -203,6 +203,7 @@ fn scene_of(scene: &str, overrides: &[String]) -> SceneArgs {
         overrides: overrides.to_vec(),
         scheme: None,
         solver: None,
+        end: None,
     }
 }
 

@@ -136,7 +136,7 @@ impl Resolver<'_> {
         let cut = shortened::cut_to_end(scene, &mut time, &mut output, damage.as_mut());
         let mut plan = Plan {
             case: case.to_owned(),
-            title: scene.title.clone(),
+            title: scene.title.clone().unwrap_or_else(|| case.to_owned()),
             dimension,
             thickness,
             geometry,
