@@ -518,7 +518,7 @@ def commands(program):
         return re.sub(rf"\b{re.escape(Path(program).name)}\b", "perifrac", text).rstrip()
 
     parts = ["# The command line", "As `perifrac --help` and the help of every verb print it.", f"```text\n{told('--help')}\n```"]
-    for verb in ("run", "resume", "plan", "check", "study", "report", "cases", "schemes", "solvers", "schema", "completions"):
+    for verb in ("run", "resume", "plan", "check", "study", "report", "cases", "schemes", "solvers", "schema", "completions", "man"):
         parts += [f"## perifrac {verb}", f"```text\n{told(verb, '--help')}\n```"]
     write("commands.md", "\n\n".join(parts) + "\n")
     text = told("solvers")

@@ -12,6 +12,7 @@ use crate::run::{Examined, RunError, examine, locate};
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors};
 use crate::schemes;
 
+use super::completions;
 use super::exit::Failure;
 use super::processes::Processes;
 
@@ -20,15 +21,16 @@ use super::processes::Processes;
 pub(super) struct SceneArgs {
     /// Path of a scene file, or name of a bundled case or of a variant of it, such as
     /// notched-tension/smoke
+    #[arg(add = completions::scenes())]
     pub scene: String,
     /// Override a key: --set time.end="2 s", --set materials.left.permeability=1e8
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
     /// Time scheme: implicit, explicit, semi-implicit, staggered or monolithic (see `perifrac schemes`)
-    #[arg(long, value_name = "SCHEME")]
+    #[arg(long, value_name = "SCHEME", add = completions::schemes())]
     pub scheme: Option<String>,
     /// Linear solver: NAME or NAME:key=value,… (see `perifrac solvers`)
-    #[arg(long, value_name = "SOLVER")]
+    #[arg(long, value_name = "SOLVER", add = completions::solvers())]
     pub solver: Option<String>,
     /// End of the run, such as "30 s", a bare number in seconds; outputs after it are left out. Of a scene in stages
     /// it is the end of the last one

@@ -25,7 +25,7 @@ pub(super) struct Args {
     scene: SceneArgs,
     /// Folder for the results; the next run there removes what this one writes and nothing else
     /// [default: out/CASE, followed by +SCHEME, +SOLVER, +KEY=VALUE and +end=TIME as given]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     out: Option<PathBuf>,
     #[command(flatten)]
     how: How,

@@ -1,4 +1,4 @@
-//! Verbs that only tell or hand out something: cases, solvers, schema, completions, help.
+//! Verbs that only tell or hand out something: cases, solvers, schema, help.
 
 use serde_json::Value;
 
@@ -162,15 +162,6 @@ fn the_schema_is_json_and_knows_the_sections() {
         assert!(schema["properties"].get(section).is_some(), "{section}");
     }
     assert_eq!(schema["additionalProperties"], Value::Bool(false));
-}
-
-#[test]
-fn completions_are_given_for_every_shell() {
-    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let text = Place::new().succeed(&["completions", shell]);
-        assert!(text.contains("perifrac"), "{shell}");
-        assert!(text.contains("threads"), "{shell}");
-    }
 }
 
 #[test]
