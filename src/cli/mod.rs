@@ -66,8 +66,8 @@ enum Verb {
     Schemes,
     /// List the linear solvers and their options
     Solvers(solvers::Args),
-    /// Print the JSON Schema of scenes, for editors
-    Schema,
+    /// Print the JSON Schema of scenes, for editors, or what stands in the tables of runs
+    Schema(schema::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),
     /// Write the manual pages
@@ -96,7 +96,7 @@ fn act(verb: Verb) -> Result<(), exit::Failure> {
         Verb::Cases(args) => cases::run(&args),
         Verb::Schemes => schemes::run(),
         Verb::Solvers(args) => solvers::run(&args),
-        Verb::Schema => schema::run(),
+        Verb::Schema(args) => schema::run(&args),
         Verb::Completions(args) => completions::run(&args),
         Verb::Man(args) => man::run(&args, Cli::command()),
     }

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use super::Summary;
 use super::fracture::{CrackTracker, Fractures};
 use super::rejections::Rejections;
+use super::tables::{WrittenColumn, written};
 use crate::model::Model;
 use crate::output::{DRAWS, History, OutputError, Pvd, Table, write_json};
 use crate::plan::{Plan, TimeMode};
@@ -174,6 +175,26 @@ impl Writer {
             history.rewrite(&self.rows)?;
         }
         Ok(())
+    }
+
+    /// The columns of all tables that there are.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a table cannot be read.
+    pub fn columns(&self, plan: &Plan) -> Result<Vec<WrittenColumn>, OutputError> {
+        if !self.leads {
+            return Ok(Vec::new());
+        }
+        let profiles = plan.output.profiles.iter();
+        let cracks = plan.cracks.iter();
+        let paths = std::iter::once("history.csv".to_owned())
+            .chain(profiles.map(|profile| format!("profile-{}.csv", profile.name)))
+            .chain(cracks.map(|crack| format!("crack-{}.csv", crack.name)))
+            .map(|file| self.folder.join(file))
+            .filter(|path| path.is_file());
+        let tables: Vec<Vec<WrittenColumn>> =
+            paths.map(|path| written(&path)).collect::<Result<_, _>>()?;
+        Ok(tables.concat())
     }
 
     /// Says so where history.csv does not have all steps.
