@@ -240,7 +240,7 @@ fn the_row_of_a_scene_is_that_of_the_hardest_thing_it_does() {
             &["notched-tension/paper"],
             "rock that breaks, model of the paper",
         ),
-        (&["natural-fractures/smoke"], "injection"),
+        (&["kgd-toughness/smoke"], "injection"),
         (
             &["natural-fractures/paper"],
             "injection, model of the paper",
