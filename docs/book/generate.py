@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Puts the pages of the book together in target/book/pages, from docs/book and from runs of the program.
 
-Generated: the reference of keys from `perifrac schema`, the command line from `--help`, a page for every case with
+Generated: the references of keys and of columns from `perifrac schema`, the command line from `--help`, a page for every case with
 the picture and the table of a run, and the gallery. Theory, combinations and decisions are taken from docs/.
 
     python3 docs/book/generate.py target/release/perifrac
@@ -518,7 +518,7 @@ def commands(program):
         return re.sub(rf"\b{re.escape(Path(program).name)}\b", "perifrac", text).rstrip()
 
     parts = ["# The command line", "As `perifrac --help` and the help of every verb print it.", f"```text\n{told('--help')}\n```"]
-    for verb in ("run", "resume", "plan", "check", "study", "report", "cases", "schemes", "solvers", "schema", "completions"):
+    for verb in ("run", "resume", "plan", "check", "study", "report", "cases", "schemes", "solvers", "schema", "completions", "man"):
         parts += [f"## perifrac {verb}", f"```text\n{told(verb, '--help')}\n```"]
     write("commands.md", "\n\n".join(parts) + "\n")
     text = told("solvers")
@@ -532,27 +532,50 @@ def commands(program):
 # ----------------------------------------------------------------------------------------- columns
 
 
-def columns(folder):
-    """Every column of every table of every run is in the page on results."""
-    page = (BOOK / "pages" / "results.md").read_text(encoding="utf-8")
-    names = re.findall(r"^\| `([\w]+)`", page, re.M)
-    patterns = {}
-    for name in names:
-        pattern = re.sub(r"SIDE", "(left|right|bottom|top|front|back)", re.escape(name))
-        pattern = re.sub(r"AXIS", "[xyz]", pattern)
-        pattern = re.sub(r"(PROBE|CRACK|WELL)", r"[\\w-]+", pattern)
-        pattern = re.sub(r"NUMBER", r"\\d+", pattern)
-        patterns[name] = re.compile(pattern)
-    used, checked = set(), 0
+TABLES = {
+    "history.csv": "One row for the start and for every step.",
+    "profile-NAME.csv": "One row for every place along a line of the scene, at every output.",
+    "crack-NAME.csv": "One row for every place along a crack, at every output.",
+    "KIND.csv": "The table of a [study](studies.md), `cost.csv` and so on: one row for every run of every method.",
+}
+
+
+def columns(program):
+    """The page of every column of every table."""
+    told = subprocess.run([program, "schema", "--columns"], capture_output=True, text=True, check=True).stdout
+    known = json.loads(told)
+    lines = [
+        "---\nsearch:\n  boost: 4\n---\n",
+        "# Every column of a table",
+        "",
+        "Made from `perifrac schema --columns`. PROBE, CRACK, WELL and NAME stand for names of the scene, SIDE for `left` … `back`, AXIS for"
+        " `x`, `y` or `z`, NUMBER for a number from 1. In two dimensions rates, volumes, forces and energies are those of the slab of"
+        " `geometry.thickness`.",
+        "",
+    ]
+    if {column["file"] for column in known} != set(TABLES):
+        raise Fault("files of `perifrac schema --columns` are not those of generate.py")
+    for file, told in TABLES.items():
+        lines += [f"## {file}", "", told, "", "| column | unit | with | meaning |", "|---|---|---|---|"]
+        for column in known:
+            if column["file"] == file:
+                unit = column["unit"].replace("^2", "²").replace("^3", "³") or "text"
+                lines.append(f"| `{column['name']}` | {unit} | {column['with']} | {column['meaning']} |")
+        lines.append("")
+    write("columns.md", "\n".join(lines))
+
+
+def written(folder):
+    """Every column of every table of every run is told of in its summary, with a meaning."""
+    checked = 0
     for path in sorted(folder.rglob("*.csv")):
+        summary = json.loads((path.parent / "summary.json").read_text(encoding="utf-8"))
+        own = [column for column in summary["columns"] if column["file"] == path.name]
         with open(path, newline="") as file:
             header = next(csv.reader(file))
-        for column in header:
-            fits = [name for name, pattern in patterns.items() if pattern.fullmatch(column)]
-            if not fits:
-                raise Fault(f"{path}: results.md does not tell of the column {column}")
-            used.update(fits)
-            checked += 1
+        if header != [column["name"] for column in own] or not all(column["meaning"] for column in own):
+            raise Fault(f"{path}: the list of columns does not tell of all of {header}")
+        checked += len(header)
     return checked
 
 
@@ -613,8 +636,9 @@ def main():
     gallery(OUT / "runs", known)
     schema = json.loads(subprocess.run([program, "schema"], capture_output=True, text=True, check=True).stdout)
     write("keys.md", Keys(schema).page())
+    columns(program)
     commands(program)
-    checked = columns(OUT / "runs")
+    checked = written(OUT / "runs")
     slowest = ", ".join(f"{name} {took[name]:.1f} s" for name in sorted(took, key=took.get)[-3:])
     print(f"book: {len(took)} runs in {ran:.0f} s (longest: {slowest}), {checked} columns of tables are told of")
 

@@ -88,7 +88,7 @@ impl Recipe {
         let layers = self.layers.iter();
         let layers: Vec<(&str, &str)> = layers.map(|(name, text)| (&**name, &**text)).collect();
         let changes: Vec<String> = self.changes.iter().map(joined).collect();
-        let stages = raised(py, load_stages(&layers, &self.base, &changes))?;
+        let stages = raised(py, load_stages(&layers, &self.base, &changes, &[]))?;
         Ok(stages.map(|stages| {
             let text = |stage: perifrac::scene::Stage| (stage.name, stage.loaded.resolved_toml());
             stages.into_iter().map(text).collect()

@@ -6,16 +6,17 @@ use crate::cases::{CASES, Case, find, names};
 use crate::output::write_atomically;
 use crate::scene::closest;
 
+use super::completions;
 use super::exit::{Failure, print};
 
 /// Arguments of `cases`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Write the scene, its variants and the notes of this case
-    #[arg(long, value_name = "CASE[/VARIANT]")]
+    #[arg(long, value_name = "CASE[/VARIANT]", add = completions::cases())]
     write: Option<String>,
     /// Folder to write to, the name of the case if absent
-    #[arg(value_name = "DIR", requires = "write")]
+    #[arg(value_name = "DIR", requires = "write", value_hint = clap::ValueHint::DirPath)]
     folder: Option<PathBuf>,
 }
 

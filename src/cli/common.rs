@@ -12,6 +12,7 @@ use crate::run::{Examined, RunError, examine, locate};
 use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors};
 use crate::schemes;
 
+use super::completions;
 use super::exit::Failure;
 use super::processes::Processes;
 
@@ -20,16 +21,21 @@ use super::processes::Processes;
 pub(super) struct SceneArgs {
     /// Path of a scene file, or name of a bundled case or of a variant of it, such as
     /// notched-tension/smoke
+    #[arg(add = completions::scenes())]
     pub scene: String,
     /// Override a key: --set time.end="2 s", --set materials.left.permeability=1e8
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
     /// Time scheme: implicit, explicit, semi-implicit, staggered or monolithic (see `perifrac schemes`)
-    #[arg(long, value_name = "SCHEME")]
+    #[arg(long, value_name = "SCHEME", add = completions::schemes())]
     pub scheme: Option<String>,
     /// Linear solver: NAME or NAME:key=value,… (see `perifrac solvers`)
-    #[arg(long, value_name = "SOLVER")]
+    #[arg(long, value_name = "SOLVER", add = completions::solvers())]
     pub solver: Option<String>,
+    /// End of the run, such as "30 s", a bare number in seconds; outputs after it are left out. Of a scene in stages
+    /// it is the end of the last one
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub end: Option<String>,
 }
 
 /// A scene with its plan.
@@ -82,12 +88,21 @@ impl SceneArgs {
     /// [`Failure::Scene`] or [`Failure::Usage`].
     pub(super) fn ask(&self) -> Result<Asked, Failure> {
         let overrides = self.all_overrides();
+        let end: Vec<String> = self.end().into_iter().collect();
         self.with_texts(|(layers, case, base)| {
-            let planned = |loaded, follows| Planned::resolve(loaded, case, follows);
-            let Some(stages) = scene::load_stages(layers, base, &overrides)? else {
+            let planned = |loaded: LoadedScene, follows| {
+                let loaded = loaded.titled(case);
+                Planned::resolve(loaded, case, follows)
+            };
+            let Some(stages) = scene::load_stages(layers, base, &overrides, &end)? else {
+                let overrides = [&overrides[..], &end].concat();
                 let loaded = scene::load_layers(layers, base, &overrides)?;
+                self.check_end(&loaded)?;
                 return planned(loaded, false).map(|one| Asked::One(Box::new(one)));
             };
+            if let Some(last) = stages.last() {
+                self.check_end(&last.loaded)?;
+            }
             let stages = stages
                 .into_iter()
                 .enumerate()
@@ -113,8 +128,30 @@ impl SceneArgs {
         }
     }
 
+    /// `--end` as a change of the scene.
+    fn end(&self) -> Option<String> {
+        let end = self.end.as_deref()?;
+        Some(format!("time.end={}", quoted(end)))
+    }
+
+    /// Keys that are set where there is one run, without scheme and solver.
+    #[cfg(feature = "study")]
+    pub(super) fn sets(&self) -> Vec<String> {
+        self.overrides.iter().cloned().chain(self.end()).collect()
+    }
+
+    /// Refuses an end of what does not pass in time.
+    fn check_end(&self, loaded: &LoadedScene) -> Result<(), SceneErrors> {
+        let time = &loaded.scene.time;
+        if self.end.is_none() || !time.is_steady() {
+            return Ok(());
+        }
+        let fault = Diagnostic::new("a steady run has no `--end`").at(time.mode.span);
+        let fault = fault.help("leave it out, or set time.mode=\"transient\"");
+        Err(loaded.errors(vec![fault]))
+    }
+
     fn all_overrides(&self) -> Vec<String> {
-        let quoted = |value: &str| toml::Value::from(value).to_string();
         let scheme = self.scheme.as_ref();
         let solver = self.solver.as_ref();
         let mut overrides = self.overrides.clone();
@@ -151,6 +188,11 @@ impl SceneArgs {
             load((layers, &case_name(path, layers.len() > 1), base))
         })?)
     }
+}
+
+/// A text as a value in TOML.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
 }
 
 fn looks_like_path(name: &str) -> bool {

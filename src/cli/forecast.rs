@@ -15,7 +15,7 @@ const CALIBRATION: (Duration, Duration) = (Duration::from_secs(40), Duration::fr
 
 /// Says which scheme, solver and step reach an error, and what that will cost.
 pub(super) fn run(scene: &SceneArgs, error: f64, json: bool) -> Result<(), Failure> {
-    let subject = subject(&scene.scene, &scene.overrides)?;
+    let subject = subject(&scene.scene, &scene.sets())?;
     let options = Options {
         schemes: scene.scheme.iter().cloned().collect(),
         solvers: scene.solver.iter().cloned().collect(),

@@ -12,9 +12,11 @@ const KEPT: usize = 80;
 pub(super) fn label(args: &SceneArgs) -> String {
     let scheme = args.scheme.iter().map(String::as_str);
     let solver = args.solver.iter().map(String::as_str);
+    let end = args.end.as_ref().map(|end| format!("end={end}"));
     let words = scheme
         .chain(solver)
-        .chain(args.overrides.iter().map(String::as_str));
+        .chain(args.overrides.iter().map(String::as_str))
+        .chain(end.as_deref());
     let words: Vec<&str> = words.collect();
     let (mut text, mut whole) = (String::new(), true);
     for word in &words {
@@ -64,6 +66,7 @@ mod tests {
             overrides: overrides.iter().map(|&text| text.to_owned()).collect(),
             scheme: scheme.map(str::to_owned),
             solver: solver.map(str::to_owned),
+            end: None,
         })
     }
 
@@ -83,6 +86,20 @@ mod tests {
             ),
             "+faer-cg-preconditioner=amg+geometry.points=50,50"
         );
+    }
+
+    #[test]
+    fn a_run_with_another_end_has_a_name_of_its_own() {
+        let ending = |end: &str| {
+            label(&SceneArgs {
+                scene: String::new(),
+                overrides: vec!["time.step=1".to_owned()],
+                scheme: None,
+                solver: None,
+                end: Some(end.to_owned()),
+            })
+        };
+        assert_eq!(ending("30 s"), "+time.step=1+end=30s");
     }
 
     #[test]

@@ -3,11 +3,13 @@
 mod cases;
 mod check;
 mod common;
+mod completions;
 mod exit;
 #[cfg(feature = "study")]
 mod forecast;
 mod interrupt;
 mod label;
+mod man;
 mod memory;
 mod plan;
 mod processes;
@@ -64,17 +66,17 @@ enum Verb {
     Schemes,
     /// List the linear solvers and their options
     Solvers(solvers::Args),
-    /// Print the JSON Schema of scenes, for editors
-    Schema,
+    /// Print the JSON Schema of scenes, for editors, or what stands in the tables of runs
+    Schema(schema::Args),
     /// Print a completion script for a shell
-    Completions {
-        /// The shell
-        shell: clap_complete::Shell,
-    },
+    Completions(completions::Args),
+    /// Write the manual pages
+    Man(man::Args),
 }
 
 /// Runs the program; the exit code tells how it went.
 pub fn main() -> ExitCode {
+    completions::answer(Cli::command);
     interrupt::keep_hangups_ignored();
     let verb = Cli::parse().verb;
     let result = threads::check_environment().and_then(|()| act(verb));
@@ -94,11 +96,8 @@ fn act(verb: Verb) -> Result<(), exit::Failure> {
         Verb::Cases(args) => cases::run(&args),
         Verb::Schemes => schemes::run(),
         Verb::Solvers(args) => solvers::run(&args),
-        Verb::Schema => schema::run(),
-        Verb::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "perifrac", &mut script);
-            exit::print(&String::from_utf8_lossy(&script))
-        }
+        Verb::Schema(args) => schema::run(&args),
+        Verb::Completions(args) => completions::run(&args),
+        Verb::Man(args) => man::run(&args, Cli::command()),
     }
 }

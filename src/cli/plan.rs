@@ -1,5 +1,8 @@
 //! `perifrac plan`.
 
+use crate::explain::Choices;
+use crate::plan::Plan;
+
 use super::common::SceneArgs;
 use super::exit::{Failure, print};
 #[cfg(feature = "study")]
@@ -16,6 +19,10 @@ pub(super) struct Args {
     /// of some seconds on this machine
     #[arg(long, value_name = "ERROR", value_parser = forecast::error)]
     for_error: Option<f64>,
+    /// Print what to choose for which problem instead, with the row of this scene marked
+    #[cfg_attr(feature = "study", arg(long, conflicts_with = "for_error"))]
+    #[cfg_attr(not(feature = "study"), arg(long))]
+    choices: bool,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -29,6 +36,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let asked = args.scene.ask()?;
     for (stage, planned) in asked.all() {
+        if args.choices {
+            tell_choices(args, stage, &planned.plan)?;
+            continue;
+        }
         let mut explanation = planned.examine()?.explanation;
         let shortage = memory::shortage(&explanation.memory, None);
         explanation.warnings.extend(shortage);
@@ -41,4 +52,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Prints what to choose, for a scene or a stage of it.
+fn tell_choices(args: &Args, stage: Option<&str>, plan: &Plan) -> Result<(), Failure> {
+    let choices = Choices::of(plan);
+    if args.json {
+        return print(&serde_json::to_string_pretty(&choices).unwrap_or_default());
+    }
+    if let Some(stage) = stage {
+        print(&format!("stage {stage}"))?;
+    }
+    print(&choices.to_string())
 }

@@ -10,7 +10,7 @@ use super::exit::{Failure, print};
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Folder that a run left, such as out/terzaghi
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     folder: PathBuf,
     /// Draw a field at all outputs, and an animation of it, such as velocity, effective_stress_xy or displacement_x;
     /// may be given several times

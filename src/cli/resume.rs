@@ -16,10 +16,10 @@ use super::stages;
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Folder of the run
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     folder: PathBuf,
     /// Checkpoint to go on from [default: the newest in the folder]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     from: Option<PathBuf>,
     #[command(flatten)]
     how: How,

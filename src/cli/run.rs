@@ -24,8 +24,8 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     /// Folder for the results; the next run there removes what this one writes and nothing else
-    /// [default: out/CASE, followed by +SCHEME, +SOLVER and +KEY=VALUE as given]
-    #[arg(long, value_name = "DIR")]
+    /// [default: out/CASE, followed by +SCHEME, +SOLVER, +KEY=VALUE and +end=TIME as given]
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     out: Option<PathBuf>,
     #[command(flatten)]
     how: How,

@@ -144,6 +144,7 @@ fn all(
     };
     let mut whole = json!(last);
     whole["stages"] = json!(summaries);
+    whole["columns"] = json!(hold.columns()?);
     hold.summary(&whole)?;
     match (how.is_json(), how.is_quiet()) {
         (true, _) => print(&whole.to_string()),

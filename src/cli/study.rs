@@ -14,6 +14,7 @@ use crate::study::{
 };
 
 use super::common::SceneArgs;
+use super::completions;
 use super::exit::{Failure, print, tell_of_kept};
 use super::interrupt::handled;
 use super::label::label;
@@ -36,16 +37,17 @@ pub(super) struct Args {
     #[arg(value_parser = PossibleValuesParser::new(study::NAMES))]
     kind: String,
     /// Path of a scene file, or name of a bundled case
+    #[arg(add = completions::scenes())]
     scene: String,
     /// Override a key in all runs
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
     /// Time schemes to compare [default: all that suit the case]
-    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', add = completions::schemes())]
     schemes: Vec<String>,
     /// Linear solvers to compare, separated by blanks [default: a factor and multigrid;
     /// for cost transforms as well, where they can be used]
-    #[arg(long, value_name = "A B", value_delimiter = ' ')]
+    #[arg(long, value_name = "A B", value_delimiter = ' ', add = completions::solvers())]
     solvers: Vec<String>,
     /// Points along the longest side [default: halved spacings around the case's own]
     #[arg(long, value_name = "N,M", value_delimiter = ',')]
@@ -63,7 +65,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "TIME", value_parser = duration)]
     limit: Option<Duration>,
     /// Folder for the report [default: out/study-KIND-CASE, followed by +KEY=VALUE as given]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = clap::ValueHint::DirPath)]
     out: Option<PathBuf>,
     /// Print report.json
     #[arg(long)]
@@ -203,6 +205,7 @@ fn scene_of(scene: &str, overrides: &[String]) -> SceneArgs {
         overrides: overrides.to_vec(),
         scheme: None,
         solver: None,
+        end: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a plan will do and cost, told before anything large is built.
 
+mod choices;
 mod effects;
 mod limits;
 mod numbers;
@@ -11,6 +12,7 @@ mod text;
 
 use serde::Serialize;
 
+pub use choices::{CHOICES, Choice, Choices, choice};
 pub use text::bytes;
 
 use crate::model::{Model, ModelError, Sample, sample, width_doubts};

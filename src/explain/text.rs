@@ -6,7 +6,10 @@ use super::Explanation;
 
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {}", self.case, self.title)?;
+        match self.title == self.case {
+            true => writeln!(f, "{}", self.case)?,
+            false => writeln!(f, "{}: {}", self.case, self.title)?,
+        }
         writeln!(
             f,
             "  cloud      {} points in {}-D, Δx {}, δ {}{}",

@@ -136,6 +136,22 @@ impl History {
         Ok(())
     }
 
+    /// The names of the columns of a history that is there.
+    ///
+    /// # Errors
+    /// [`OutputError`] if the file cannot be read.
+    pub fn columns(path: impl AsRef<Path>) -> Result<Vec<String>, OutputError> {
+        let path = path.as_ref();
+        let file = File::open(path).map_err(|e| OutputError::from_io(path, "read it", e))?;
+        let mut reader = csv::Reader::from_reader(file);
+        let header = reader.headers().map_err(|e| OutputError::Malformed {
+            path: path.to_path_buf(),
+            line: 1,
+            reason: e.to_string(),
+        })?;
+        Ok(header.iter().map(str::to_owned).collect())
+    }
+
     /// Reads a history back. A last line without its newline is the torn end of a killed run and
     /// is left out.
     ///
@@ -225,6 +241,7 @@ mod tests {
         history.append(&odd).unwrap();
         let table = History::read(&path).unwrap();
         assert_eq!(table.columns, columns());
+        assert_eq!(History::columns(&path).unwrap(), columns());
         let bits = |row: &[f64]| row.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&table.rows[0]), bits(&extreme));
         assert_eq!(bits(&table.rows[1][..2]), bits(&odd[..2]));

@@ -1,4 +1,4 @@
-//! Files a run leaves behind: fields (VTU, PVD), cracks (VTP), histories (CSV), summaries (JSON) and plots
+//! Files a run leaves behind: fields (VTU, PVD, VTKHDF), cracks (VTP), histories (CSV), summaries (JSON) and plots
 //! (PNG, SVG).
 //!
 //! Every writer takes plain slices and knows nothing of the model. Whole files are written
@@ -19,6 +19,7 @@ mod pvd;
 mod pvtu;
 mod summary;
 mod vtk;
+mod vtkhdf;
 mod vtp;
 mod vtu;
 
@@ -39,5 +40,6 @@ pub use pvd::Pvd;
 pub use pvtu::write_pvtu;
 pub use summary::write_json;
 pub use vtk::{Cells, Field};
+pub use vtkhdf::{append_vtkhdf, create_vtkhdf, cut_vtkhdf};
 pub use vtp::{VtpData, write_vtp};
 pub use vtu::{VtuData, write_vtu};

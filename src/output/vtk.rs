@@ -216,7 +216,7 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// Plane vectors get a third component, because readers expect vectors of space.
-fn padded(values: &[f64], components: usize) -> Cow<'_, [f64]> {
+pub(super) fn padded(values: &[f64], components: usize) -> Cow<'_, [f64]> {
     if components != 2 {
         return Cow::Borrowed(values);
     }

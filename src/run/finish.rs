@@ -57,6 +57,7 @@ impl<const D: usize> Run<'_, D> {
             processes: partition.map_or(1, |own| own.team().size()),
             thickness: (D == 2).then_some(self.plan.thickness),
             units: units(D, self.plan.time.mode),
+            columns: Vec::new(),
             points: model.cloud.len(),
             unknowns: flow.map_or(0, FlowModel::points) - prescribed
                 + solid.map_or(0, |solid| solid.unknowns()),
@@ -96,6 +97,8 @@ impl<const D: usize> Run<'_, D> {
             self.agree(drawn)?;
             summary.wall_s += start.elapsed().as_secs_f64();
             if let Some(writer) = &self.writer {
+                let told = writer.columns(self.plan);
+                self.agree(told.map(|columns| summary.columns = columns))?;
                 self.agree(writer.summary(&summary))?;
             }
         }

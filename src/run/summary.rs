@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::fracture::Results;
+use super::tables::WrittenColumn;
 use crate::plan::TimeMode;
 use crate::reference::ErrorNorms;
 use crate::report::{Balance, Counters, Timers, lenient};
@@ -41,6 +42,8 @@ pub struct Summary {
     pub thickness: Option<f64>,
     /// Unit of every figure that has one, by its place in this summary.
     pub units: BTreeMap<Name, Name>,
+    /// Every column of every table that the run has written.
+    pub columns: Vec<WrittenColumn>,
     /// Points.
     pub points: usize,
     /// Unknowns of the linear system.

@@ -159,7 +159,7 @@ mod tests {
         let time = &loaded.scene.time;
         assert!((time.end.unwrap().value() - 3.0).abs() < 1e-15);
         assert!((time.step.unwrap().value() - 0.5).abs() < 1e-15);
-        assert_eq!(loaded.scene.title, "First");
+        assert_eq!(loaded.scene.title.as_deref(), Some("First"));
         assert!(!loaded.resolved_toml().contains("base"));
     }
 

@@ -21,8 +21,7 @@ use super::validate::{Context, Report, Section};
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Scene")]
 pub(super) struct Draft {
-    /// Title, shown in reports and pictures.
-    #[schemars(required)]
+    /// Title, shown in reports and pictures; the name of the case if absent.
     pub title: Option<Spanned<String>>,
     /// What the case shows, in a few sentences.
     pub description: Option<String>,
@@ -100,15 +99,11 @@ impl Draft {
     }
 
     fn check_presence(&self, scene: &Context<'_>, report: &mut Report) {
-        match &self.title {
-            Some(title) if title.trim().is_empty() => {
-                report.add(Diagnostic::new("`title` is empty").at(title.span));
-            }
-            None if !scene.faulty.contains("title") => {
-                let fault = Diagnostic::new("the scene has no `title`");
-                report.add(fault.help("begin the file with title = \"…\""));
-            }
-            _ => {}
+        if let Some(title) = &self.title
+            && title.trim().is_empty()
+        {
+            let fault = Diagnostic::new("`title` is empty").at(title.span);
+            report.add(fault.help("leave it out, and the scene is called like its case"));
         }
         let needed = [
             (
@@ -138,7 +133,7 @@ impl Draft {
     /// The scene, if all that it needs is there.
     pub(super) fn finish(self) -> Option<Scene> {
         Some(Scene {
-            title: self.title?.value,
+            title: self.title.map(|title| title.value),
             description: self.description,
             geometry: self.geometry?,
             horizon: self.horizon.unwrap_or_default(),

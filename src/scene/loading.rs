@@ -28,6 +28,15 @@ impl LoadedScene {
         toml::to_string_pretty(&self.merged).unwrap_or_default()
     }
 
+    /// The scene with this title, unless it has one of its own: its text then says all by itself.
+    #[must_use]
+    pub fn titled(mut self, title: &str) -> Self {
+        if self.scene.title.is_none() && self.merged.insert_first("title", title) {
+            self.scene.title = Some(title.to_owned());
+        }
+        self
+    }
+
     /// A path of the scene, relative to where the scene file is.
     pub fn path(&self, typed: &str) -> PathBuf {
         self.base_dir.join(typed)

@@ -51,8 +51,8 @@ pub use suggest::{closest, one_of};
 /// An optional section that is absent means that its effect does not exist.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Title, shown in reports and pictures.
-    pub title: String,
+    /// Title, shown in reports and pictures, if it has one.
+    pub title: Option<String>,
     /// What the case shows.
     pub description: Option<String>,
     /// The domain and its points.

@@ -126,7 +126,7 @@ mod tests {
             );
         }
         let required = schema["required"].as_array().unwrap();
-        for name in ["title", "geometry", "materials", "time"] {
+        for name in ["geometry", "materials", "time"] {
             assert!(required.contains(&json!(name)), "{required:?}");
         }
     }

@@ -10,6 +10,7 @@ use std::path::Path;
 use super::diagnostics::{Diagnostic, SceneErrors};
 use super::loading::{LoadedScene, load_layers};
 use super::sources::Sources;
+use super::{Scene, Spanned, Start, StartClock};
 
 /// Name of the table.
 pub(super) const STAGES: &str = "stages";
@@ -27,14 +28,17 @@ pub struct Stage {
 }
 
 /// Loads the stages of a scene from texts of which each changes those before it; nothing where none has
-/// stages. Texts after the one that has them hold for all stages. `--set` texts hold for all stages.
+/// stages. Texts after the one that has them hold for all stages. `--set` texts hold for all stages, and those of
+/// `at_last` after them for the last one.
 ///
 /// # Errors
-/// [`SceneErrors`] of the first stage that has a fault.
+/// [`SceneErrors`] of the first stage that has a fault, also for one whose clock goes on and that ends before it
+/// begins.
 pub fn load_stages(
     layers: &[(&str, &str)],
     base_dir: &Path,
     overrides: &[String],
+    at_last: &[String],
 ) -> Result<Option<Vec<Stage>>, SceneErrors> {
     let Some(place) = layers.iter().position(|(_, text)| has_stages(text)) else {
         return Ok(None);
@@ -42,7 +46,8 @@ pub fn load_stages(
     let (below, above) = (&layers[..place], &layers[place + 1..]);
     let (file, text) = layers[place];
     let split = split(file, text)?;
-    let mut stages = Vec::new();
+    let mut stages: Vec<Stage> = Vec::new();
+    let with_last = [overrides, at_last].concat();
     for last in 1..=split.stages.len() {
         let mut all: Vec<(&str, &str)> = below.to_vec();
         all.push((file, &split.common));
@@ -51,11 +56,37 @@ pub fn load_stages(
             all.push((file, text));
         }
         all.extend(above);
+        let overrides = match last == split.stages.len() {
+            true => &with_last,
+            false => overrides,
+        };
         let loaded = load_layers(&all, base_dir, overrides)?;
+        if let Some(before) = stages.last() {
+            check_clock(before, &loaded)?;
+        }
         let name = split.stages[last - 1].0.clone();
         stages.push(Stage { name, loaded });
     }
     Ok(Some(stages))
+}
+
+/// Refuses a stage that goes on with the clock of the one before and ends no later than that.
+fn check_clock(before: &Stage, loaded: &LoadedScene) -> Result<(), SceneErrors> {
+    let end = |scene: &Scene| scene.time.end.filter(|_| !scene.time.is_steady());
+    let keeps = |start: &Spanned<Start>| start.clock.value == StartClock::Keep;
+    let goes_on = loaded.scene.start.as_ref().is_some_and(keeps);
+    let (Some(begin), Some(end)) = (end(&before.loaded.scene), end(&loaded.scene)) else {
+        return Ok(());
+    };
+    if !goes_on || end.value() > begin.value() {
+        return Ok(());
+    }
+    let message = format!(
+        "the stage would end at {end}, where the clock of the stage \"{}\" before it ends at {begin}",
+        before.name
+    );
+    let help = "all stages share one clock: choose a later end, or set start.clock = \"reset\"";
+    Err(loaded.errors(vec![Diagnostic::new(message).at(end.span()).help(help)]))
 }
 
 /// A text without its stages, and the name and text of each.
@@ -219,7 +250,7 @@ end = "3 s"
 "#;
 
     fn load(text: &str) -> Result<Option<Vec<Stage>>, String> {
-        let stages = load_stages(&[("staged.toml", text)], Path::new(""), &[]);
+        let stages = load_stages(&[("staged.toml", text)], Path::new(""), &[], &[]);
         stages.map_err(|errors| errors.render(false))
     }
 
@@ -233,6 +264,32 @@ end = "3 s"
         // What the second stage changed holds in the third.
         assert!(stages[2].loaded.resolved_toml().contains("time = ["));
         assert!(!stages[0].loaded.resolved_toml().contains("time = ["));
+    }
+
+    #[test]
+    fn what_is_typed_for_the_last_stage_leaves_the_others() {
+        let [all, last] = [["time.step=0.1".to_owned()], ["time.end=5".to_owned()]];
+        let stages = load_stages(&[("staged.toml", SCENE)], Path::new(""), &all, &last);
+        let stages = stages.unwrap().unwrap();
+        let end = |stage: &Stage| stage.loaded.scene.time.end.unwrap().value();
+        assert_eq!(stages.iter().map(end).collect::<Vec<_>>(), [1.0, 2.0, 5.0]);
+        let step = |stage: &Stage| stage.loaded.scene.time.step.unwrap().value();
+        assert!(stages.iter().all(|stage| step(stage) == 0.1));
+    }
+
+    #[test]
+    fn a_stage_that_ends_before_it_begins_is_refused_unless_its_clock_is_reset() {
+        for end in ["1 s", "2 s"] {
+            let early = SCENE.replace("end = \"3 s\"", &format!("end = \"{end}\""));
+            let message = load(&early).unwrap_err();
+            assert!(
+                message.contains("before it ends at 2 s")
+                    && message.contains(&format!("\"{end}\"")),
+                "{message}"
+            );
+            let reset = format!("{early}[stages.start]\nclock = \"reset\"\n");
+            assert!(load(&reset).is_ok());
+        }
     }
 
     #[test]

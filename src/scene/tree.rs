@@ -68,6 +68,20 @@ impl Node {
         }
     }
 
+    /// Puts a text before all entries of a table; tells whether this is one.
+    pub(super) fn insert_first(&mut self, key: &str, text: &str) -> bool {
+        let Value::Table(table) = &mut self.value else {
+            return false;
+        };
+        let item = Item {
+            key: key.to_owned(),
+            key_span: Span::NOWHERE,
+            node: Node::new(Value::Text(text.to_owned()), Span::NOWHERE),
+        };
+        table.entries.insert(0, item);
+        true
+    }
+
     /// Passes the value at the end of the path over from now on.
     pub(super) fn mark_faulty(&mut self, path: &[Step]) {
         let Some((step, rest)) = path.split_first() else {

@@ -47,6 +47,7 @@ pub(crate) use profile::RecordedOutput;
 pub(crate) use runner::Runner;
 pub use single::report_run;
 pub(crate) use subject::{Grid, StudyCase};
+pub(crate) use table::COLUMNS;
 pub(crate) use variant::{Method, Variant};
 
 use crate::output::{write_atomically, write_json};

@@ -6,6 +6,45 @@ use serde_json::{Value, json};
 
 use super::{Measured, Row, StudyError};
 use crate::output::OutputError;
+use crate::run::Column;
+
+const FILE: &str = "KIND.csv";
+
+/// The columns of the table of a study, KIND; FIELD stands for a field with an error.
+#[rustfmt::skip] // one a line, as the table that it is
+pub(crate) const COLUMNS: &[Column] = &[
+    Column::new(FILE, "scheme", "", "always", "time scheme"),
+    Column::new(FILE, "solver", "", "always", "linear solver as typed"),
+    Column::new(FILE, "operator", "", "always", "operator of flow where it is varied, else empty"),
+    Column::new(FILE, "contrast", "1", "contrast, stability of flow", "ratio of the permeabilities"),
+    Column::new(FILE, "strength", "1", "stability of coupled cases", "strength of the coupling, α²/(s(λ + 2μ))"),
+    Column::new(FILE, "step_ratio", "1", "stability", "step over the limit of stability"),
+    Column::new(FILE, "spacing", "m", "cost, convergence", "spacing of the points"),
+    Column::new(FILE, "steps", "1", "convergence", "number of fixed steps that is asked for"),
+    Column::new(FILE, "tolerance", "1", "cost", "`time.tolerance`"),
+    Column::new(FILE, "role", "1", "convergence", "what the run is for: 0 order in time, 1 verification of the reference, 2 the reference, 3 order in space"),
+    Column::new(FILE, "level", "1", "without an exact solution", "place in the chain of over-resolved runs, from 0, the coarsest"),
+    Column::new(FILE, "status", "", "always", "`done`, or what became of it"),
+    Column::new(FILE, "resolved", "", "always", "whether the error is well above that of what it was measured with"),
+    Column::new(FILE, "repetitions", "1", "always", "how often it was run; measures are medians"),
+    Column::new(FILE, "points", "1", "always", "number of points"),
+    Column::new(FILE, "error", "1", "always", "largest of the errors of all fields, over the range of each"),
+    Column::new(FILE, "wall_s", "s", "always", "wall time of the run"),
+    Column::new(FILE, "wall_s_least", "s", "always", "shortest wall time of all repetitions"),
+    Column::new(FILE, "wall_s_most", "s", "always", "longest wall time of all repetitions"),
+    Column::new(FILE, "cpu_s", "s", "always", "time of all processors"),
+    Column::new(FILE, "memory_bytes", "B", "always", "largest memory that the process held"),
+    Column::new(FILE, "steps", "1", "always", "accepted steps"),
+    Column::new(FILE, "rejected", "1", "always", "rejected steps"),
+    Column::new(FILE, "factorisations", "1", "always", "factorisations of matrices"),
+    Column::new(FILE, "solves", "1", "always", "linear systems that were solved"),
+    Column::new(FILE, "krylov_iterations", "1", "always", "iterations of linear solvers"),
+    Column::new(FILE, "coupling_passes", "1", "always", "passes between flow and mechanics"),
+    Column::new(FILE, "relaxation_iterations", "1", "always", "iterations of dynamic relaxation"),
+    Column::new(FILE, "error_FIELD", "1", "always", "root mean square error of a field over its range, the largest of all outputs after the start"),
+    Column::new(FILE, "reason", "", "always", "why a run failed"),
+    Column::new(FILE, "overrides", "", "always", "keys that were set"),
+];
 
 /// Measures of every run: name, and where it is found.
 type Measure = (&'static str, fn(&Measured) -> f64);

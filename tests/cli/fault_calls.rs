@@ -1,6 +1,6 @@
 //! Wrong words on the command line.
 
-use crate::support::{FAULT, Fault, check};
+use crate::support::{FAULT, Fault, Place, check};
 
 #[test]
 fn names_and_flags_that_do_not_exist() {
@@ -233,4 +233,63 @@ error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, f
             ..FAULT
         },
     ]);
+}
+
+#[test]
+fn ends_that_cannot_be() {
+    let wrong = |end: &'static str, message: &str, help: &str| {
+        let marks = "^".repeat(end.len() + 2);
+        let typed = format!("time.end=\"{end}\"");
+        let text = format!(
+            "error: {message}\n --> --set #1:1:10\n  |\n1 | {typed}\n  |          {marks}{help}"
+        );
+        let place = Place::with_scene(&[]);
+        let outcome = place.run(&["plan", "scene.toml", "--end", end]);
+        assert_eq!(outcome.code, Some(3), "{outcome:?}");
+        assert_eq!(outcome.stderr.trim_end(), text);
+    };
+    wrong(
+        "30 m",
+        "expected a time (s), found a length: \"30 m\"",
+        "\n  |\n  = help: write it like \"2 h\"",
+    );
+    wrong(
+        "",
+        "expected a number with a unit, such as \"3 m\", found \"\"",
+        "",
+    );
+    wrong("0", "`end` must be positive", "");
+    wrong("-1", "`end` must be positive", "");
+}
+
+#[test]
+fn a_steady_run_has_no_end_to_set() {
+    let place = Place::with_scene(&[]);
+    let steady = [
+        "check",
+        "scene.toml",
+        "--set",
+        "time.mode=steady",
+        "--end",
+        "1 s",
+    ];
+    let outcome = place.run(&steady);
+    assert_eq!(outcome.code, Some(3));
+    assert!(
+        outcome
+            .stderr
+            .starts_with("error: a steady run has no `--end`\n --> --set #1:1:11"),
+        "{outcome:?}"
+    );
+}
+
+#[test]
+fn a_last_stage_cannot_end_before_the_one_in_front_of_it() {
+    let place = Place::new();
+    place.succeed(&["check", "staged-injection", "--end", "22 s"]);
+    let outcome = place.run(&["check", "staged-injection", "--end", "20.3 s"]);
+    assert_eq!(outcome.code, Some(3));
+    let told = "error: the stage would end at 20.3 s, where the clock of the stage \"inject\" before it ends at 20.3 s";
+    assert!(outcome.stderr.starts_with(told), "{outcome:?}");
+    assert!(outcome.stdout.is_empty(), "{outcome:?}");
 }

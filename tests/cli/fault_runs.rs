@@ -274,3 +274,22 @@ error: `five-sport` is not known here
         },
     ]);
 }
+
+#[cfg(not(feature = "vtkhdf"))]
+#[test]
+fn a_format_that_this_program_was_built_without() {
+    check(&[Fault {
+        name: "fields in one file",
+        change: &[("plots = false", "plots = false\nformat = \"vtkhdf\"")],
+        stderr: r#"
+error: this program was built without the feature `vtkhdf`
+  --> scene.toml:19:10
+   |
+19 | format = "vtkhdf"
+   |          ^^^^^^^^
+   |
+   = help: leave `format` out, or build with --features vtkhdf, which needs libhdf5 (Debian: libhdf5-dev)
+"#,
+        ..FAULT
+    }]);
+}

@@ -1,7 +1,8 @@
-//! Verbs that only tell or hand out something: cases, solvers, schema, completions, help.
+//! Verbs that only tell or hand out something: cases, solvers, schema, help.
 
 use serde_json::Value;
 
+use crate::columns::MOVING;
 use crate::support::Place;
 
 const CASES: [&str; 33] = [
@@ -165,15 +166,6 @@ fn the_schema_is_json_and_knows_the_sections() {
 }
 
 #[test]
-fn completions_are_given_for_every_shell() {
-    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let text = Place::new().succeed(&["completions", shell]);
-        assert!(text.contains("perifrac"), "{shell}");
-        assert!(text.contains("threads"), "{shell}");
-    }
-}
-
-#[test]
 fn help_and_version_are_told() {
     let place = Place::new();
     let help = place.succeed(&["--help"]);
@@ -186,6 +178,7 @@ fn help_and_version_are_told() {
         "solvers",
         "schema",
         "completions",
+        "man",
     ] {
         assert!(
             help.lines().any(|line| line.trim_start().starts_with(verb)),
@@ -196,5 +189,71 @@ fn help_and_version_are_told() {
     assert_eq!(
         place.succeed(&["--version"]),
         format!("perifrac {}\n", env!("CARGO_PKG_VERSION"))
+    );
+}
+
+/// The row of a table that `plan --choices` marks, and all cells of it.
+fn choices(place: &Place, words: &[&str]) -> (String, Vec<Vec<String>>) {
+    let text = place.succeed(&[&["plan", "--choices"], words].concat());
+    let cells = |line: &str| -> Vec<String> {
+        line.split(" | ")
+            .skip(1)
+            .map(|cell| cell.trim().to_owned())
+            .collect()
+    };
+    let marked: Vec<&str> = text.lines().filter(|line| line.starts_with('>')).collect();
+    assert_eq!(marked.len(), 1, "{text}");
+    (
+        cells(marked[0])[0].clone(),
+        text.lines().skip(1).map(cells).collect(),
+    )
+}
+
+#[test]
+fn what_to_choose_is_told_as_in_the_book() {
+    let place = Place::new();
+    let page = include_str!("../../docs/book/pages/choosing.md");
+    let table = page.lines().filter(|line| line.starts_with('|')).take(11);
+    let row = |line: &str| -> Vec<String> {
+        line.trim_matches('|')
+            .split(" | ")
+            .map(|cell| cell.trim().to_owned())
+            .collect()
+    };
+    let mut told: Vec<Vec<String>> = table.map(row).collect();
+    assert_eq!(told.remove(1), ["---|---|---|---|---|---|---"]);
+    assert_eq!(choices(&place, &["five-spot"]).1, told);
+}
+
+#[test]
+fn the_row_of_a_scene_is_that_of_the_hardest_thing_it_does() {
+    let place = Place::new();
+    place.write("moving.toml", MOVING);
+    for (words, problem) in [
+        (&["five-spot"][..], "flow alone"),
+        (&["barrier"], "flow, only the end state"),
+        (&["sneddon"], "deformation alone"),
+        (&["terzaghi"], "consolidation"),
+        (&["moving.toml"], "waves, impact"),
+        (&["notched-tension/split"], "rock that breaks"),
+        (
+            &["notched-tension/paper"],
+            "rock that breaks, model of the paper",
+        ),
+        (&["kgd-toughness/smoke"], "injection"),
+        (
+            &["natural-fractures/paper"],
+            "injection, model of the paper",
+        ),
+    ] {
+        assert_eq!(choices(&place, words).0, problem, "{words:?}");
+    }
+    let json = place.succeed(&["plan", "terzaghi", "--choices", "--json"]);
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["applies"], "consolidation");
+    let rows = json["choices"].as_array().unwrap();
+    assert!(
+        rows.iter()
+            .any(|row| row["problem"] == json["applies"] && row["scheme"].is_string())
     );
 }

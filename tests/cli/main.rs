@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod columns;
+mod completions;
 mod costs;
 mod coupled;
 mod documented;

@@ -216,3 +216,55 @@ fn rate_and_bottom_hole_pressure_of_a_well_are_columns_of_the_history() {
     );
     assert!(rows.last().unwrap()[0].abs() <= 0.0);
 }
+
+#[test]
+fn a_scene_without_a_title_is_called_like_its_case() {
+    let place = Place::with_scene(&[("title = \"Base\"\n", "")]);
+    place.write("clay.toml", place.read("scene.toml"));
+    let plan = place.succeed(&["plan", "clay.toml"]);
+    assert_eq!(plan.lines().next(), Some("clay"), "{plan}");
+    place.succeed(&["run", "clay.toml", "--out", "first"]);
+    // The text of the run tells the title, whatever its file is called.
+    let again = place.succeed(&["plan", "first/resolved.toml"]);
+    assert_eq!(again.lines().next(), Some("resolved: clay"), "{again}");
+    place.succeed(&["run", "first/resolved.toml", "--out", "second"]);
+    assert_eq!(
+        place.read("first/resolved.toml"),
+        place.read("second/resolved.toml")
+    );
+}
+
+#[test]
+fn a_run_ends_where_it_is_told_to_and_later_outputs_are_left_out() {
+    let times = "plots = false\ntimes = [\"80 s\", \"20 s\", \"50 s\"]";
+    let place = Place::with_scene(&[("plots = false", times)]);
+    // The flag is the last word, whatever else sets the end.
+    let arguments = [
+        "run",
+        "scene.toml",
+        "--end",
+        "0.5 min",
+        "--set",
+        "time.end=90",
+        "--json",
+        "--out",
+        "out",
+    ];
+    let printed = json(&place.succeed(&arguments));
+    assert_eq!(printed["t_end"], 30.0);
+    let told = printed["warnings"].as_array().unwrap();
+    let late =
+        "2 of output.times, from 50 s on, lie after the end of the run, 30 s, and are left out";
+    assert!(told.iter().any(|warning| warning == late), "{told:?}");
+    let fields = place
+        .list("out")
+        .into_iter()
+        .filter(|name| name.ends_with(".vtu"));
+    let expected = ["fields-0000.vtu", "fields-0001.vtu", "fields-0002.vtu"];
+    assert_eq!(fields.collect::<Vec<_>>(), expected);
+    assert!(
+        String::from_utf8(place.read("out/resolved.toml"))
+            .unwrap()
+            .contains("end = \"0.5 min\"")
+    );
+}

@@ -114,7 +114,8 @@ pub(super) fn output(output: &scene::Output, time: &scene::TimeControl) -> Outpu
     OutputPlan {
         times,
         crack_increment: output.crack_increment.map(|growth| growth.value()),
-        vtu: output.vtu,
+        vtu: output.vtu && output.format.value == scene::Format::Vtu,
+        vtkhdf: output.vtu && output.format.value == scene::Format::Vtkhdf,
         plots: output.plots,
         probes: output
             .probes

@@ -18,7 +18,9 @@ mod tests;
 
 use perifrac_solvers::SolverSpec;
 
-use super::types::{MaterialPlan, Plan, SchemeChoice, SideCondition, StartPlan, TimeMode};
+use super::types::{
+    GeometryPlan, MaterialPlan, Plan, SchemeChoice, SideCondition, StartPlan, TimeMode,
+};
 use crate::geometry::Side;
 use crate::material::{Elasticity, Lame};
 use crate::plan::capability;
@@ -62,13 +64,32 @@ pub(super) fn resolve_given(
 fn allowed(loaded: &LoadedScene, plan: Plan, processes: usize) -> Result<Plan, SceneErrors> {
     let scheme = plan.scheme.scheme();
     let features = capability::features(&plan, processes);
-    let faults: Vec<Diagnostic> = capability::broken(scheme, &features)
+    let mut faults: Vec<Diagnostic> = capability::broken(scheme, &features)
         .flat_map(|rule| places::diagnostics(rule, &loaded.scene))
         .collect();
+    faults.extend(format_fault(loaded, &plan, processes));
     match faults.is_empty() {
         true => Ok(plan),
         false => Err(loaded.errors(faults)),
     }
+}
+
+/// What one VTKHDF file cannot hold.
+fn format_fault(loaded: &LoadedScene, plan: &Plan, processes: usize) -> Option<Diagnostic> {
+    let has_polyhedra = match &plan.geometry {
+        GeometryPlan::Points {
+            mesh: Some(mesh), ..
+        } => !mesh.dual.solids.is_empty(),
+        _ => false,
+    };
+    let message = match (plan.output.vtkhdf, has_polyhedra) {
+        (false, _) => return None,
+        _ if processes > 1 => format!("one process writes `.vtkhdf`, and {processes} run"),
+        (_, true) => "the cells between the points of a mesh in space are polyhedra, which `.vtkhdf` does not hold".to_owned(),
+        _ => return None,
+    };
+    let fault = Diagnostic::new(message).at(loaded.scene.output.format.span);
+    Some(fault.help("leave `format` out"))
 }
 
 /// Resolves a loaded scene whether its parts can be combined or not; see [`capability::refusals`].
@@ -136,7 +157,7 @@ impl Resolver<'_> {
         let cut = shortened::cut_to_end(scene, &mut time, &mut output, damage.as_mut());
         let mut plan = Plan {
             case: case.to_owned(),
-            title: scene.title.clone(),
+            title: scene.title.clone().unwrap_or_else(|| case.to_owned()),
             dimension,
             thickness,
             geometry,

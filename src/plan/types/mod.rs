@@ -360,6 +360,8 @@ pub struct OutputPlan {
     pub crack_increment: Option<f64>,
     /// Whether VTU files are written.
     pub vtu: bool,
+    /// Whether one VTKHDF file is written.
+    pub vtkhdf: bool,
     /// Whether pictures are drawn.
     pub plots: bool,
     /// Points whose history is kept.

@@ -8,7 +8,9 @@ use crate::geometry::Matrix;
 use crate::material::DamageModel;
 use crate::model::{FlowModel, Model, SolidModel};
 use crate::operators::{Damage, Lame};
-use crate::output::{Field, OutputError, VtuData, write_pvtu, write_vtu};
+use crate::output::{
+    Field, OutputError, VtuData, append_vtkhdf, create_vtkhdf, write_pvtu, write_vtu,
+};
 use crate::run::FieldValues;
 use crate::schemes::State;
 
@@ -82,17 +84,40 @@ impl<'a> Snapshot<'a> {
         let whole = grid.points.len() * self.dimension == self.positions.len();
         let some = (!whole || grid.ghosts.is_some()).then(|| self.at(&grid.points));
         let own = some.as_ref().unwrap_or(self);
-        let fields: Vec<Field<'_>> = own.arrays.iter().map(Array::field).collect();
-        let data = VtuData {
-            positions: &own.positions,
+        own.with_data(grid, |data| write_vtu(path, data))
+    }
+
+    /// Adds the fields to the file of all outputs, which the first of them, `number` 0, begins with the points and
+    /// cells of `grid`.
+    ///
+    /// # Errors
+    /// Those of [`create_vtkhdf`] and [`append_vtkhdf`].
+    pub(super) fn append(
+        &self,
+        path: &Path,
+        grid: &Grid,
+        number: usize,
+    ) -> Result<(), OutputError> {
+        self.with_data(grid, |data| {
+            if number == 0 {
+                create_vtkhdf(path, data)?;
+            }
+            append_vtkhdf(path, self.time, data.fields)
+        })
+    }
+
+    /// Hands out the points of `grid`, which are those of the fields, its cells and the fields.
+    fn with_data<T>(&self, grid: &Grid, then: impl FnOnce(&VtuData<'_>) -> T) -> T {
+        let fields: Vec<Field<'_>> = self.arrays.iter().map(Array::field).collect();
+        then(&VtuData {
+            positions: &self.positions,
             dimension: self.dimension,
             time: self.time,
             cells: grid.cells(),
             kinds: &grid.kinds,
             fields: &fields,
             ghosts: grid.ghosts,
-        };
-        write_vtu(path, &data)
+        })
     }
 }
 

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use super::Summary;
 use super::fracture::{CrackTracker, Fractures};
 use super::rejections::Rejections;
+use super::tables::{WrittenColumn, written};
 use crate::model::Model;
 use crate::output::{DRAWS, History, OutputError, Pvd, Table, write_json};
 use crate::plan::{Plan, TimeMode};
@@ -176,6 +177,26 @@ impl Writer {
         Ok(())
     }
 
+    /// The columns of all tables that there are.
+    ///
+    /// # Errors
+    /// [`OutputError`] if a table cannot be read.
+    pub fn columns(&self, plan: &Plan) -> Result<Vec<WrittenColumn>, OutputError> {
+        if !self.leads {
+            return Ok(Vec::new());
+        }
+        let profiles = plan.output.profiles.iter();
+        let cracks = plan.cracks.iter();
+        let paths = std::iter::once("history.csv".to_owned())
+            .chain(profiles.map(|profile| format!("profile-{}.csv", profile.name)))
+            .chain(cracks.map(|crack| format!("crack-{}.csv", crack.name)))
+            .map(|file| self.folder.join(file))
+            .filter(|path| path.is_file());
+        let tables: Vec<Vec<WrittenColumn>> =
+            paths.map(|path| written(&path)).collect::<Result<_, _>>()?;
+        Ok(tables.concat())
+    }
+
     /// Says so where history.csv does not have all steps.
     pub fn thinned(&self) -> Option<String> {
         (self.stride > 1).then(|| {
@@ -188,7 +209,7 @@ impl Writer {
         })
     }
 
-    /// Writes the points of this process as VTU. All processes must call this together.
+    /// Writes the points of this process as VTU, or adds them to the file of all outputs. All processes must call this together.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -201,7 +222,7 @@ impl Writer {
         let number = self.outputs;
         self.outputs += 1;
         let draws = plan.output.plots && DRAWS;
-        if !plan.output.vtu && !draws {
+        if !has_fields(plan) && !draws {
             return Ok(());
         }
         // Values are exchanged before anything can fail in one process alone.
@@ -212,6 +233,10 @@ impl Writer {
             let rank = model.subdomain().partition().map(|own| own.team().rank());
             let path = self.folder.join(piece_name(number, rank));
             snapshot.write(&path, grid)?;
+        }
+        if plan.output.vtkhdf {
+            let grid = self.grid.get_or_insert_with(|| Grid::of(plan, model));
+            snapshot.append(&self.folder.join(WHOLE), grid, number)?;
         }
         if draws && self.leads {
             let sections = &mut self.sections;
@@ -236,7 +261,12 @@ impl Writer {
         }
         let number = self.outputs - 1;
         if plan.output.vtu {
-            self.collect(number, plan, model, state)?;
+            self.collect(number, model, state)?;
+        }
+        if has_fields(plan) {
+            let lines = &mut self.crack_lines;
+            let lines = lines.get_or_insert_with(|| CrackLines::new(plan, model));
+            lines.record((&self.folder, number), plan, model, state)?;
         }
         if plan.output.plots {
             self.pictures(plan, model, |pictures| pictures.of_output(number))?;
@@ -250,11 +280,10 @@ impl Writer {
         }
     }
 
-    /// Enters the fields of an output into their collection, and writes the lines of cracks beside them.
+    /// Enters the fields of an output into their collection.
     fn collect<const D: usize>(
         &mut self,
         number: usize,
-        plan: &Plan,
         model: &Model<D>,
         state: &State,
     ) -> Result<(), OutputError> {
@@ -273,10 +302,7 @@ impl Writer {
             Some(pvd) => pvd,
             none => none.insert(Pvd::create(self.folder.join("fields.pvd"))?),
         };
-        pvd.add(state.time, path)?;
-        let lines = &mut self.crack_lines;
-        let lines = lines.get_or_insert_with(|| CrackLines::new(plan, model));
-        lines.record((&self.folder, number), plan, model, state)
+        pvd.add(state.time, path)
     }
 
     /// Draws what needs the whole run: permeability, histories and profiles.
@@ -353,6 +379,14 @@ pub(super) fn undrawn(plan: &Plan, writer: Option<&Writer>) -> Option<String> {
     (wanted && !DRAWS)
         .then(|| "no pictures are drawn: perifrac was built without the feature `plots`".to_owned())
 }
+
+/// Whether files of fields are written.
+fn has_fields(plan: &Plan) -> bool {
+    plan.output.vtu || plan.output.vtkhdf
+}
+
+/// Name of the file with the fields of all outputs.
+const WHOLE: &str = "fields.vtkhdf";
 
 /// Name of the fields of one output, or of the piece of one process.
 fn piece_name(number: usize, rank: Option<usize>) -> String {

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{CrackLines, Cracks, Hold, Profiles, Writer};
+use super::{CrackLines, Cracks, Hold, Profiles, WHOLE, Writer, has_fields};
 use crate::model::Model;
-use crate::output::{History, OutputError, Pvd};
+use crate::output::{History, OutputError, Pvd, cut_vtkhdf};
 use crate::plan::Plan;
 
 /// Where the files of a run stand.
@@ -74,6 +74,11 @@ impl Writer {
         self.resume_history::<D>(plan, record, time)?;
         if plan.output.vtu && record.outputs > 0 {
             self.pvd = Some(Pvd::resume(self.folder.join("fields.pvd"), until)?);
+        }
+        if plan.output.vtkhdf && record.outputs > 0 {
+            cut_vtkhdf(self.folder.join(WHOLE), record.outputs)?;
+        }
+        if has_fields(plan) && record.outputs > 0 {
             let mut lines = CrackLines::new(plan, model);
             lines.resume(&self.folder, until)?;
             self.crack_lines = Some(lines);

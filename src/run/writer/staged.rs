@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::super::tables::{WrittenColumn, written};
 use super::Hold;
 use crate::output::{History, OutputError, Pvd, Table, write_atomically, write_json};
 
@@ -67,6 +68,14 @@ impl StagedFolder {
         }
         let path = self.folder.join("history.csv");
         History::create(&path, &whole.columns)?.rewrite(&whole)
+    }
+
+    /// The columns of the history of all stages.
+    ///
+    /// # Errors
+    /// [`OutputError`] if it cannot be read.
+    pub fn columns(&self) -> Result<Vec<WrittenColumn>, OutputError> {
+        written(&self.folder.join("history.csv"))
     }
 
     /// Writes summary.json.

@@ -131,7 +131,6 @@ fn what_must_be_there_is_asked_for() {
     assert_eq!(
         messages,
         [
-            "the scene has no `title`",
             "the scene has no [geometry]",
             "the scene has no [materials.NAME]",
             "the scene has no [time]",

@@ -45,7 +45,7 @@ pub use horizon::{Horizon, HorizonSize, Influence};
 pub use initial::{Initial, InitialPressure, StressGradient, StressKind, StressRegion};
 pub use materials::{Material, PermeabilityField, PermeabilityTensor, PrincipalPermeability};
 pub use mechanics::{InitialStress, Interfaces, Mechanics, Motion, Support, TractionLoad};
-pub use output::{Output, Probe, Profile};
+pub use output::{Format, Output, Probe, Profile};
 pub use reference::{Reference, ReferenceKind};
 pub use scheme::{Acceleration, AdrDamping, Scheme, SchemeName, SchemeStart, SolidMethod};
 pub use sides::{Boundary, Side};

@@ -1,7 +1,7 @@
 //! `[output]`: what is written, and when.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::scene::diagnostics::Diagnostic;
 use crate::scene::quantity::{Length, Time, values};
@@ -20,8 +20,10 @@ pub struct Output {
     /// Growth of the cracks after which fields are written too, m; in space their area grows by its
     /// square. Needs `[damage]`.
     pub crack_increment: Option<Length>,
-    /// Whether fields are written as `.vtu`.
+    /// Whether files of fields are written.
     pub vtu: bool,
+    /// Format of the files of fields.
+    pub format: Spanned<Format>,
     /// Whether pictures are drawn.
     pub plots: bool,
     /// Points at which fields are recorded in every step.
@@ -38,11 +40,23 @@ impl Default for Output {
             every: None,
             crack_increment: None,
             vtu: true,
+            format: Spanned::default(),
             plots: true,
             probes,
             profiles,
         }
     }
+}
+
+/// Formats of files of fields.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Format {
+    /// A `.vtu` for every output, and `fields.pvd` with their times.
+    #[default]
+    Vtu,
+    /// One `fields.vtkhdf` with all outputs, of one process; needs a program built with the feature `vtkhdf`.
+    Vtkhdf,
 }
 
 /// A point at which fields are recorded.
@@ -79,6 +93,7 @@ impl Section for Output {
             ("times", self.times.as_ref().map(|times| times.span)),
             ("every", self.every.map(|every| every.span())),
         ]);
+        self.check_format(report);
         let end = scene.sound(&scene.draft.time).and_then(|time| time.end);
         if let Some(every) = self.every {
             report.positive("every", every);
@@ -105,6 +120,26 @@ impl Section for Output {
         }
         for profile in &self.profiles {
             check_profile(&profile.value, scene, report);
+        }
+    }
+}
+
+impl Output {
+    fn check_format(&self, report: &mut Report) {
+        if self.format.value != Format::Vtkhdf {
+            return;
+        }
+        if !cfg!(feature = "vtkhdf") {
+            let fault = Diagnostic::new("this program was built without the feature `vtkhdf`");
+            let fault = fault.at(self.format.span);
+            report.add(fault.help(
+                "leave `format` out, or build with --features vtkhdf, which needs libhdf5 (Debian: libhdf5-dev)",
+            ));
+        }
+        if !self.vtu {
+            let fault =
+                Diagnostic::new("`format` is that of fields, and `vtu = false` leaves them out");
+            report.add(fault.at(self.format.span).help("keep one of them"));
         }
     }
 }

@@ -130,6 +130,15 @@ pub enum SchemeName {
 }
 
 impl SchemeName {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Implicit,
+        Self::Explicit,
+        Self::SemiImplicit,
+        Self::Staggered,
+        Self::Monolithic,
+    ];
+
     /// Name as typed.
     pub const fn name(self) -> &'static str {
         match self {
