@@ -45,7 +45,7 @@ FORMS = {
     "layers-stiffness": "layers-stiffness",
     "sneddon": "sneddon --set geometry.spacing=0.01",
     "notched-tension": "notched-tension/smoke",
-    "notched-shear": "notched-shear/smoke --set geometry.points=[24,24] --set damage.length_scale=0.1666667e-3",
+    "notched-shear": "notched-shear/smoke --set geometry.points=[24,24]",
     "pressurised-notch": "pressurised-notch/smoke --set geometry.spacing=0.025",
     "natural-fractures": "natural-fractures/smoke --set geometry.spacing=0.03",
     "injection-rate": "injection-rate/smoke --set geometry.spacing=0.03",

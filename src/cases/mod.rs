@@ -99,17 +99,16 @@ pub const CASES: &[Case] = &[
         "notched-tension",
         "a notched square pulled apart (Sec. 5.1): a straight crack",
         "smoke",
-        "split",
+        "paper",
         "fine",
-        "paper"
+        "uniform"
     ),
     case!(
         "notched-shear",
         "a notched square sheared (Sec. 5.1): a crack that turns down",
         "smoke",
-        "split",
-        "fine",
-        "paper"
+        "paper",
+        "uniform"
     ),
     case!(
         "pressurised-notch",

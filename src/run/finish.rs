@@ -11,7 +11,7 @@ use super::summary::units;
 use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors, WellReport};
 use crate::geometry::{Families, Side, Vector};
-use crate::model::FlowModel;
+use crate::model::{Faces, FlowModel};
 use crate::plan::{
     CrackKind, Plan, ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux,
     exact_pressure, exact_well_pressure,
@@ -26,6 +26,8 @@ const POOR_BALANCE: f64 = 1e-8;
 const SETTLED: f64 = 1e-4;
 /// Overlap of a crack's faces, relative to their largest jump, that is worth a warning.
 const OVERLAP: f64 = 1e-6;
+/// Damage from which rock is no face of a crack any more.
+const NO_FACE: f64 = 0.1;
 /// Coupling safety factor of Eq. 71.
 const COUPLING_SAFETY: f64 = 0.5;
 
@@ -178,11 +180,28 @@ impl<const D: usize> Run<'_, D> {
         self.warnings.push(message);
     }
 
-    /// Faces that are pressed together go through each other: nothing stops them yet.
+    /// Faces that are pressed together go through each other: nothing stops them yet. Rock that has broken is no face.
     fn warn_of_overlap(&mut self) {
         let cracks = self.plan.cracks.iter().enumerate();
+        let damage = self
+            .model
+            .solid
+            .as_ref()
+            .and_then(|solid| solid.damage.as_ref());
+        let damage = damage.map_or_else(Vec::new, |damage| damage.of(&self.state.history));
+        let whole = |point: &usize| damage.get(*point).is_none_or(|damage| *damage < NO_FACE);
+        let is_face = |faces: &Faces<D>| {
+            faces
+                .sides
+                .iter()
+                .all(|side| side.nearest.iter().all(whole))
+        };
         for (number, crack) in cracks.filter(|(_, crack)| crack.kind == CrackKind::Cut) {
+            let faces = self.model.places.cracks[number].iter();
             let jumps = openings(&self.model, &self.state, number);
+            let jumps: Vec<[f64; 2]> = (faces.zip(jumps))
+                .filter_map(|(faces, jump)| is_face(faces).then_some(jump))
+                .collect();
             let deepest = jumps.iter().map(|jump| jump[0]).fold(0.0, f64::min);
             let sizes = jumps.iter().flatten().map(|jump| jump.abs());
             if deepest < -OVERLAP * sizes.fold(0.0, f64::max) {

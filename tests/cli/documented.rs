@@ -74,13 +74,12 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("terzaghi-tensor", &["time.step=3"]),
     ("penny-3d", &["geometry.points=[12, 12, 12]"]),
     ("notched-tension", TENSION),
-    ("notched-tension/fine", TENSION),
-    ("notched-tension/split", TENSION),
-    ("notched-tension/paper", TENSION),
+    ("notched-tension/fine", TENSION_OF_PAPER),
+    ("notched-tension/paper", TENSION_OF_PAPER),
+    ("notched-tension/uniform", TENSION_OF_PAPER),
     ("notched-shear", SHEAR),
-    ("notched-shear/fine", SHEAR),
-    ("notched-shear/split", SHEAR),
-    ("notched-shear/paper", SHEAR),
+    ("notched-shear/paper", SHEAR_OF_PAPER),
+    ("notched-shear/uniform", SHEAR_OF_PAPER),
     (
         "pressurised-notch",
         &["geometry.spacing=2 cm", "time.end=200"],
@@ -108,8 +107,10 @@ const SMALLER: &[(&str, &[&str])] = &[
 ];
 const KGD: &[&str] = &["geometry.spacing=12.5 cm", "time.end=0.3"];
 const INCLINED: &[&str] = &["geometry.spacing=8 cm", "time.end=0.3"];
-const TENSION: &[&str] = &[COARSE, NOTCH, "time.end=300"];
-const SHEAR: &[&str] = &[COARSE, NOTCH, "time.end=75"];
+const TENSION: &[&str] = &[COARSE, "time.end=300"];
+const SHEAR: &[&str] = &[COARSE, "time.end=75"];
+const TENSION_OF_PAPER: &[&str] = &[COARSE, NOTCH, "time.end=300"];
+const SHEAR_OF_PAPER: &[&str] = &[COARSE, NOTCH, "time.end=75"];
 const COARSE: &str = "geometry={type=\"lattice\", size=[\"1 mm\", \"1 mm\"], points=[30, 30]}";
 const NOTCH: &str = "damage.length_scale=0.1333333 mm";
 const PUMPED: &[&str] = &["geometry.spacing=4 cm", "time.end=0.02"];

@@ -6,16 +6,17 @@ use perifrac::schemes::{State, StepError};
 
 use crate::support::{model, plan_of_variant, try_run};
 
-const QUICK: [&str; 3] = [
+const QUICK: [&str; 4] = [
     "output.plots=false",
     "output.times=[]",
     "geometry.points=[20, 20]",
+    "damage.length_scale=0.1333333 mm",
 ];
 
 fn notch(overrides: &[&str]) -> Plan {
     plan_of_variant(
         "notched-tension",
-        "smoke",
+        "paper",
         &[&QUICK[..], overrides].concat(),
     )
 }

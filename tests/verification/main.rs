@@ -39,6 +39,7 @@ mod stages;
 mod tensors;
 mod theis;
 mod toughness;
+mod turned;
 mod two_layer;
 mod uneven_cracks;
 mod uniform_flow;

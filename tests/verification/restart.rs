@@ -72,8 +72,20 @@ const CASES: &[(&str, &[&str])] = &[
     ("notched-tension/smoke", &[]),
     ("kgd-viscosity/smoke", &["time.end=0.1 s"]),
     (
-        "notched-tension/smoke",
-        &["scheme.name=explicit", "time.end=2000 s"],
+        "notched-tension/paper",
+        &[
+            "geometry.points=[30, 30]",
+            "damage.length_scale=0.1333333 mm",
+        ],
+    ),
+    (
+        "notched-tension/paper",
+        &[
+            "geometry.points=[30, 30]",
+            "damage.length_scale=0.1333333 mm",
+            "scheme.name=explicit",
+            "time.end=2000 s",
+        ],
     ),
     (
         "pressurised-notch/smoke",

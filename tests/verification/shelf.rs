@@ -21,10 +21,8 @@ const SMOKE: [(&str, &[&str]); 4] = [
     ),
     ("pressurised-notch", &["time.end=420 s", "output.times=[]"]),
     ("penny-3d", &["geometry.points=[7, 7, 7]"]),
-    ("notched-tension", COARSE),
+    ("notched-tension", &["geometry.points=[20, 20]"]),
 ];
-
-const COARSE: &[&str] = &["geometry.points=[20, 20]", "damage.length_scale=\"0.2 mm\""];
 
 /// Specifications beyond the backends with their own choices: preconditioners that may lag behind.
 const FURTHER: [&str; 1] = ["fgmres:preconditioner=schur"];

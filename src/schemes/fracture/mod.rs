@@ -9,6 +9,7 @@
 
 mod acceleration;
 mod block;
+mod closing;
 mod compliance;
 mod flow;
 mod lagged;
@@ -26,6 +27,7 @@ use crate::material::TangentKind;
 use crate::model::{Model, SolidModel};
 use crate::operators::{Damage, Response};
 use crate::plan::{DamageMethod, DamagePlan};
+use closing::{NEXT_TO_HERE, keep_broken};
 use line_search::{LineSearch, line_search};
 use tangent_policy::TangentPolicy;
 use tangents::TangentMatrix;
@@ -206,6 +208,27 @@ impl<const D: usize> Fracture<D> {
         Ok((change, iterations, TangentKind::Bounded))
     }
 
+    /// Whether points that close next to where `change` begins kept the damage that opening brought them.
+    fn closes(
+        &self,
+        model: &Model<D>,
+        state: &mut State,
+        external: &[f64],
+        at: &Trial<D>,
+        change: &[f64],
+    ) -> Result<bool, StepError> {
+        let start = state.displacement.clone();
+        let pairs = state.displacement.iter_mut().zip(change);
+        pairs.for_each(|(u, c)| *u += NEXT_TO_HERE * c);
+        let there = self.evaluate(model, state, external)?;
+        state.displacement = start;
+        Ok(keep_broken(
+            &at.response,
+            &there.response,
+            &mut state.history,
+        ))
+    }
+
     /// Walks along `change` until the potential has fallen enough; `None` if it does not.
     fn search(
         &mut self,
@@ -324,6 +347,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
                 Some(reached) => at = reached.found,
                 // The exact tangent may have led astray; the others always lead down.
                 None if tried == TangentKind::Consistent => {}
+                None if self.closes(model, state, &external, &at, &change)? => {}
                 None => break,
             }
         }

@@ -12,6 +12,8 @@ fn plan() -> Plan {
     let text = include_str!("../../../cases/notched-tension/scene.toml");
     let small = [
         "geometry.points=[20, 20]",
+        "horizon={length_scale_ratio=0.5}",
+        "damage.model=paper",
         "damage.length_scale=0.2 mm",
         "damage.tolerance=1e-8",
     ];

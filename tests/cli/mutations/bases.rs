@@ -26,14 +26,10 @@ const SMALL: [(&str, Option<&str>, &[&str]); 24] = [
         Some("smoke"),
         &["geometry.spacing=0.06"],
     ),
-    (
-        "notched-shear",
-        None,
-        &["geometry.points=[12, 12]", "damage.length_scale=0.4 mm"],
-    ),
+    ("notched-shear", None, &["geometry.points=[12, 12]"]),
     (
         "notched-tension",
-        None,
+        Some("paper"),
         &["geometry.points=[12, 12]", "damage.length_scale=0.4 mm"],
     ),
     ("penny-3d", None, &["geometry.points=[4, 4, 4]"]),

@@ -5,6 +5,7 @@ use perifrac_solvers::{dot, multiply};
 use super::{FractureFlowStep, Trial};
 use crate::material::TangentKind;
 use crate::model::Model;
+use crate::schemes::fracture::closing::{NEXT_TO_HERE, keep_broken};
 use crate::schemes::fracture::damage_of;
 use crate::schemes::fracture::line_search::{LineSearch, line_search};
 use crate::schemes::{Increment, State, StepError, StepReport, coupling_of, flow_of, solid_of};
@@ -205,6 +206,31 @@ impl<const D: usize> FractureFlowStep<D> {
             reached.as_ref().map_or(0.0, |reached| reached.length),
         );
         Ok(reached)
+    }
+
+    /// Whether points that close next to where a way begins kept the damage that opening brought them.
+    pub(super) fn closes(
+        &mut self,
+        model: &Model<D>,
+        state: &mut State,
+        at: &Trial<D>,
+        way: &SearchDirection,
+    ) -> Result<bool, StepError> {
+        let (displacement, pressure) = (state.displacement.clone(), state.pressure.clone());
+        let step = |to: &mut Vec<f64>, by: &[f64]| {
+            to.iter_mut()
+                .zip(by)
+                .for_each(|(to, by)| *to += NEXT_TO_HERE * by);
+        };
+        step(&mut state.displacement, &way.displacement);
+        step(&mut state.pressure, &way.pressure);
+        let there = self.evaluate(model, state)?;
+        (state.displacement, state.pressure) = (displacement, pressure);
+        Ok(keep_broken(
+            &at.response,
+            &there.response,
+            &mut state.history,
+        ))
     }
 
     /// Loads, and the push of pressures that do not change along a way.

@@ -323,7 +323,9 @@ impl<const D: usize> FractureFlowStep<D> {
         self.policy.judge(tried, length);
         let Some(reached) = reached else {
             // The exact tangent may have led astray; the others always lead down.
-            return Ok((tried == TangentKind::Consistent).then_some(at));
+            let goes_on =
+                tried == TangentKind::Consistent || self.closes(model, state, &at, &way)?;
+            return Ok(goes_on.then_some(at));
         };
         Ok(Some(
             match self.accelerate(start, state, reached.length, how) {
