@@ -1,5 +1,6 @@
 //! Running the variants of a study: in turns, within a budget, and never twice.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -58,7 +59,7 @@ impl<'a> Campaign<'a> {
         })
     }
 
-    /// Runs all variants once, cheap ones first, then all again, as often as wished and as the budget
+    /// Runs all variants once, methods in turns, then all again, as often as wished and as the budget
     /// allows. Gives a row at least of every variant, those whose turn did not come among them, and whether all
     /// runs were made.
     ///
@@ -69,8 +70,7 @@ impl<'a> Campaign<'a> {
         variants: &[Variant],
         watcher: &mut dyn Watcher,
     ) -> Result<(Vec<Measured>, bool), StudyError> {
-        let mut order: Vec<usize> = (0..variants.len()).collect();
-        order.sort_by(|&a, &b| variants[a].weight.total_cmp(&variants[b].weight));
+        let order = turns(variants);
         let mut rows: Vec<Vec<Row>> = vec![Vec::new(); variants.len()];
         let (mut done, mut complete) = (0, true);
         'rounds: for repetition in 0..self.repetitions {
@@ -183,5 +183,48 @@ impl<'a> Campaign<'a> {
         };
         self.log.add(row.clone())?;
         Ok(Some(row))
+    }
+}
+
+/// The order of variants: what weighs less than nothing, which others are compared with, then methods in turns with the
+/// cheapest run that each has left, so that a budget leaves none out because its runs are dear.
+fn turns(variants: &[Variant]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..variants.len()).collect();
+    order.sort_by(|&a, &b| variants[a].weight.total_cmp(&variants[b].weight));
+    let mut had: BTreeMap<String, usize> = BTreeMap::new();
+    let mut turn = vec![0; variants.len()];
+    for &index in &order {
+        let variant = &variants[index];
+        if variant.weight >= 0.0 {
+            let had = had.entry(variant.method()).or_default();
+            *had += 1;
+            turn[index] = *had;
+        }
+    }
+    order.sort_by_key(|&index| turn[index]);
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_take_turns_and_what_others_are_compared_with_comes_first() {
+        let runs = [
+            ("explicit", 400.0),
+            ("implicit", 3.0),
+            ("implicit", 1.0),
+            ("explicit", 100.0),
+            ("over-resolved", -1.0),
+            ("implicit", 2.0),
+            ("over-resolved", -2.0),
+        ];
+        let variants = runs.map(|(scheme, weight)| Variant {
+            scheme: scheme.to_owned(),
+            weight,
+            ..Variant::default()
+        });
+        assert_eq!(turns(&variants), [6, 4, 2, 3, 5, 0, 1]);
     }
 }

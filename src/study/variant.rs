@@ -17,7 +17,7 @@ pub(crate) struct Variant {
     pub values: BTreeMap<&'static str, f64>,
     /// Keys and values for `--set`.
     pub overrides: Vec<String>,
-    /// Guess of its cost, in any unit: cheap runs come first, and where one takes too long its dearer
+    /// Guess of its cost, in any unit: of a method cheap runs come first, and where one takes too long its dearer
     /// sisters are skipped.
     pub weight: f64,
     /// Which of its fields are kept, to compare runs with each other.

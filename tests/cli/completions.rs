@@ -42,8 +42,8 @@ fn a_scene_is_a_bundled_case_its_variant_or_a_file() {
     for verb in ["run", "plan", "check"] {
         assert_eq!(offered(&place, &["perifrac", verb, "na"]), expected);
     }
-    let variants = offered(&place, &["perifrac", "run", "notched-tension/s"]);
-    assert_eq!(variants, ["notched-tension/smoke", "notched-tension/split"]);
+    let variants = offered(&place, &["perifrac", "run", "well-test/"]);
+    assert_eq!(variants, ["well-test/limited"]);
     let within = offered(&place, &["perifrac", "run", "nature/"]);
     assert_eq!(within, ["nature/deep.toml"]);
     assert!(offered(&place, &["perifrac", "run", "no-such-"]).is_empty());

@@ -235,7 +235,7 @@ fn the_row_of_a_scene_is_that_of_the_hardest_thing_it_does() {
         (&["sneddon"], "deformation alone"),
         (&["terzaghi"], "consolidation"),
         (&["moving.toml"], "waves, impact"),
-        (&["notched-tension/split"], "rock that breaks"),
+        (&["notched-tension"], "rock that breaks"),
         (
             &["notched-tension/paper"],
             "rock that breaks, model of the paper",
