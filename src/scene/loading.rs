@@ -22,10 +22,18 @@ pub struct LoadedScene {
 }
 
 impl LoadedScene {
-    /// The scene file with all `--set` values in it, as TOML: running it again gives the same run.
+    /// The scene file with all `--set` values in it, as TOML: running it again gives the same run, from any folder,
+    /// for paths in it are absolute.
     pub fn resolved_toml(&self) -> String {
+        let mut anchored = self.merged.clone();
+        anchored.each_path(&mut |typed| {
+            // Without a working directory there is nothing to be relative to.
+            if let Ok(path) = std::path::absolute(self.path(typed)) {
+                *typed = path.to_string_lossy().into_owned();
+            }
+        });
         // A tree that was read from TOML can always be written as TOML.
-        toml::to_string_pretty(&self.merged).unwrap_or_default()
+        toml::to_string_pretty(&anchored).unwrap_or_default()
     }
 
     /// The scene with this title, unless it has one of its own: its text then says all by itself.
@@ -231,6 +239,29 @@ end = "10 s"
             toml.find("z_first").unwrap() < toml.find("a_second").unwrap(),
             "{toml}"
         );
+    }
+
+    #[test]
+    fn the_resolved_text_names_files_from_any_folder() {
+        let text = format!(
+            "{}\n[start]\nfrom = \"/runs/before\"\n",
+            SMALL.replace(
+                "[materials.a_second]",
+                "[materials.a_second]\ndensity = { file = \"rho.csv\" }"
+            )
+        );
+        let sets = ["geometry.path=points.csv".to_owned()];
+        let mut sources = Sources::new("scene", &text);
+        let merged = merge(&text, &[], &sets, &mut sources).unwrap();
+        let loaded = LoadedScene {
+            base_dir: PathBuf::from("/scenes"),
+            merged,
+            ..load(SMALL, &[]).unwrap()
+        };
+        let toml = loaded.resolved_toml();
+        for path in ["/scenes/points.csv", "/scenes/rho.csv", "/runs/before"] {
+            assert!(toml.contains(&format!("\"{path}\"")), "{toml}");
+        }
     }
 
     #[test]

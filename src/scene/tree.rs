@@ -82,6 +82,33 @@ impl Node {
         true
     }
 
+    /// Visits the texts that are paths of files: `path` of the geometry, `from` of a start, and `file` anywhere.
+    pub(super) fn each_path(&mut self, visit: &mut impl FnMut(&mut String)) {
+        self.each_path_in("", visit);
+    }
+
+    fn each_path_in(&mut self, parent: &str, visit: &mut impl FnMut(&mut String)) {
+        match &mut self.value {
+            Value::Table(table) => {
+                for Item { key, node, .. } in &mut table.entries {
+                    let is_path = matches!(
+                        (parent, key.as_str()),
+                        ("geometry", "path") | ("start", "from") | (_, "file")
+                    );
+                    match &mut node.value {
+                        Value::Text(text) if is_path => visit(text),
+                        _ => node.each_path_in(key, visit),
+                    }
+                }
+            }
+            Value::List(list) => {
+                list.iter_mut()
+                    .for_each(|node| node.each_path_in(parent, visit));
+            }
+            _ => {}
+        }
+    }
+
     /// Passes the value at the end of the path over from now on.
     pub(super) fn mark_faulty(&mut self, path: &[Step]) {
         let Some((step, rest)) = path.split_first() else {

@@ -1,5 +1,7 @@
 //! Sound scenes: what a run prints and writes, and what `plan` and `check` say.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use crate::support::{Outcome, Place};
@@ -267,4 +269,23 @@ fn a_run_ends_where_it_is_told_to_and_later_outputs_are_left_out() {
             .unwrap()
             .contains("end = \"0.5 min\"")
     );
+}
+
+/// A plate on points of a file that lies beside the scene.
+#[test]
+fn what_a_run_was_runs_again_from_its_own_folder() {
+    let place = Place::new();
+    let book = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/book/scenes");
+    for name in ["own-points.toml", "points.csv"] {
+        place.write(name, std::fs::read(book.join(name)).unwrap());
+    }
+    let quiet = ["--set", "output.plots=false"];
+    place.succeed(&[&["run", "own-points.toml", "--out", "first"], &quiet[..]].concat());
+    let mut again = place.program(&["run", "resolved.toml", "--out", "../second"]);
+    let ended = again.current_dir(place.path("first")).output().unwrap();
+    assert!(ended.status.success(), "{ended:?}");
+    for file in ["resolved.toml", "history.csv"] {
+        let [first, second] = ["first", "second"].map(|run| place.read(&format!("{run}/{file}")));
+        assert_eq!(first, second, "{file}");
+    }
 }
