@@ -102,8 +102,8 @@ fn crack_sizes(plan: &Plan, damage: &DamagePlan, sample: &Sample) -> Vec<Number>
         number(
             &format!("size of crack {}", crack.name),
             size / sample.spacing[0],
-            "length, in space radius, in Δx: it begins to grow below the load of a sharp crack, at 0.88 of it with 20 Δx \
-             (pressurised-notch), in space at 0.57 with 5 Δx, and takes all of G_c once some 8 Δx are new",
+            "length, in space radius, in Δx: it begins to grow below the load of a sharp crack, at 0.88 of it with 20 Δx in \
+             pressurised-notch, and takes all of G_c once some 8 Δx are new",
         )
     };
     let cracks = plan.cracks.iter().filter(|_| split);

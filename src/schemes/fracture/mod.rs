@@ -208,8 +208,8 @@ impl<const D: usize> Fracture<D> {
         Ok((change, iterations, TangentKind::Bounded))
     }
 
-    /// Whether points that close next to where `change` begins kept the damage that opening brought them.
-    fn closes(
+    /// Keeps the damage that opening brought to points that close next to where `change` begins; whether there are any.
+    fn keep_what_broke(
         &self,
         model: &Model<D>,
         state: &mut State,
@@ -347,7 +347,7 @@ impl<const D: usize> SolidSolver<D> for Fracture<D> {
                 Some(reached) => at = reached.found,
                 // The exact tangent may have led astray; the others always lead down.
                 None if tried == TangentKind::Consistent => {}
-                None if self.closes(model, state, &external, &at, &change)? => {}
+                None if self.keep_what_broke(model, state, &external, &at, &change)? => {}
                 None => break,
             }
         }

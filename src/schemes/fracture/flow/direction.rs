@@ -208,8 +208,8 @@ impl<const D: usize> FractureFlowStep<D> {
         Ok(reached)
     }
 
-    /// Whether points that close next to where a way begins kept the damage that opening brought them.
-    pub(super) fn closes(
+    /// Keeps the damage that opening brought to points that close next to where a way begins; whether there are any.
+    pub(super) fn keep_what_broke(
         &mut self,
         model: &Model<D>,
         state: &mut State,

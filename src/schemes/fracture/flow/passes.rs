@@ -323,8 +323,8 @@ impl<const D: usize> FractureFlowStep<D> {
         self.policy.judge(tried, length);
         let Some(reached) = reached else {
             // The exact tangent may have led astray; the others always lead down.
-            let goes_on =
-                tried == TangentKind::Consistent || self.closes(model, state, &at, &way)?;
+            let goes_on = tried == TangentKind::Consistent
+                || self.keep_what_broke(model, state, &at, &way)?;
             return Ok(goes_on.then_some(at));
         };
         Ok(Some(
