@@ -30,12 +30,12 @@ pub use setup::Setup;
 pub(crate) use types::with_contrast;
 pub use types::{
     Acceleration, AdrDamping, ApertureRule, AuditPlan, CouplingPlan, CrackKind, CrackPlace,
-    CrackPlan, DamageMethod, DamageModel, DamagePlan, ElasticityPlan, EnergySplit, Exponent,
-    FieldPlan, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan, GradientChoice, GravityPlan,
-    HourglassRule, InitialPlan, InjectionPlan, Integrator, MaterialPlan, MechanicsPlan, Normalise,
-    OperatorChoice, OutputPlan, PermeabilityPlan, Plan, PorousPlan, Probe, Profile, ReferenceKind,
-    ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions, SchemeStart, SideCondition,
-    SolidMethod, StartPlan, StepRule, StoragePlan, Support, TimeMode, TimePlan, TractionPlan,
-    TransmissivityRule, WellDrive, WellPlan, Wellbore,
+    CrackPlan, DamageMethod, DamageModel, DamagePlan, DescentSettings, ElasticityPlan, EnergySplit,
+    Exponent, FieldPlan, FlowPlan, FluidPlan, FractureFlowPlan, GeometryPlan, GradientChoice,
+    GravityPlan, HourglassRule, InitialPlan, InjectionPlan, Integrator, MaterialPlan,
+    MechanicsPlan, Normalise, OperatorChoice, OutputPlan, PermeabilityPlan, Plan, PorousPlan,
+    Probe, Profile, ReferenceKind, ReferencePlan, RegionPressure, SchemeChoice, SchemeOptions,
+    SchemeStart, SideCondition, SolidMethod, StartPlan, StepRule, StoragePlan, Support, TimeMode,
+    TimePlan, TractionPlan, TransmissivityRule, WellDrive, WellPlan, Wellbore,
 };
 pub use width::{damage_width, ratio_warning, width_warning};

@@ -92,7 +92,7 @@ impl<const D: usize> Run<'_, D> {
     /// that more steps would have to wear down.
     ///
     /// # Errors
-    /// [`StepError::Unbalanced`], [`StepError::Unsettled`].
+    /// [`StepError::Unbalanced`], [`StepError::LaggedStrainOscillation`].
     pub(super) fn audit_output(
         &self,
         scale: &Scale,
@@ -112,7 +112,7 @@ impl<const D: usize> Run<'_, D> {
         let found = scale.relative(&self.model, self.unsettled, &trial.pressure);
         match found <= lag {
             true => Ok(()),
-            false => Err(StepError::Unsettled {
+            false => Err(StepError::LaggedStrainOscillation {
                 time,
                 found,
                 limit: lag,

@@ -80,9 +80,9 @@ impl RunError {
                 | StepError::Spec(_)
                 | StepError::Pattern(_)
                 | StepError::NoSteadyState { .. }
-                | StepError::Missing { .. }
+                | StepError::MissingPart { .. }
                 | StepError::Refused(_)
-                | StepError::LoosePlate => 3,
+                | StepError::UnsupportedPlate => 3,
                 _ => 4,
             },
             RunError::Interrupted { .. } => 130,

@@ -36,7 +36,7 @@ impl<const D: usize> Run<'_, D> {
             let demand = self.plan.stage_demand();
             let solve = |model: &Model<D>, state: &mut State| match &model.flow {
                 Some(flow) => solve_steady(flow, &demand, state),
-                None => Err(StepError::Missing { part: "[flow]" }),
+                None => Err(StepError::MissingPart { part: "[flow]" }),
             };
             let (report, counters, chosen) = self.settled(solve)?;
             steady = (report, counters, Some(chosen));

@@ -12,7 +12,7 @@ impl Changes {
     /// Enters the changes from `now` to `next`.
     ///
     /// # Errors
-    /// [`StepError::RestlessWell`] for one that was made before.
+    /// [`StepError::OscillatingWell`] for one that was made before.
     fn enter<const D: usize>(
         &mut self,
         model: &Model<D>,
@@ -25,7 +25,7 @@ impl Changes {
                 let wells = model.flow.iter().flat_map(|flow| flow.wells.iter());
                 let name = wells.map(|well| well.name.clone()).nth(well);
                 let name = name.unwrap_or_default();
-                return Err(StepError::RestlessWell { name, time });
+                return Err(StepError::OscillatingWell { name, time });
             }
             self.0.push((well, from, to));
         }
@@ -56,7 +56,7 @@ impl<const D: usize> Run<'_, D> {
     /// `trial`.
     ///
     /// # Errors
-    /// As [`Scheme::step`]; [`StepError::RestlessWell`].
+    /// As [`Scheme::step`]; [`StepError::OscillatingWell`].
     pub(super) fn step(
         &mut self,
         scheme: &mut dyn Scheme<D>,
@@ -83,7 +83,7 @@ impl<const D: usize> Run<'_, D> {
     /// Holds the wells at what the pressure of the state calls for, without a step.
     ///
     /// # Errors
-    /// [`StepError::RestlessWell`].
+    /// [`StepError::OscillatingWell`].
     pub(super) fn settle_wells(&mut self) -> Result<(), StepError> {
         let mut changes = Changes::default();
         while let Some(next) = self.better(&self.state) {
@@ -100,7 +100,7 @@ impl<const D: usize> Run<'_, D> {
     /// Solves for a state with `solve`, again with the controls that its result calls for.
     ///
     /// # Errors
-    /// As `solve`; [`StepError::RestlessWell`].
+    /// As `solve`; [`StepError::OscillatingWell`].
     pub(super) fn settled<T>(
         &mut self,
         mut solve: impl FnMut(&Model<D>, &mut State) -> Result<T, StepError>,

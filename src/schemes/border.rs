@@ -18,7 +18,7 @@ impl BorderedSystem {
     /// System bordered by the given columns and the stiffness of the plates; `solve` applies A⁻¹.
     ///
     /// # Errors
-    /// Those of `solve`; [`StepError::LoosePlate`] if the bordered matrix is singular.
+    /// Those of `solve`; [`StepError::UnsupportedPlate`] if the bordered matrix is singular.
     pub(super) fn new(
         columns: Vec<Vec<f64>>,
         plate_stiffness: DMatrix<f64>,
@@ -32,7 +32,7 @@ impl BorderedSystem {
         });
         let inverse = match columns.is_empty() {
             true => schur,
-            false => schur.try_inverse().ok_or(StepError::LoosePlate)?,
+            false => schur.try_inverse().ok_or(StepError::UnsupportedPlate)?,
         };
         Ok(BorderedSystem {
             columns,

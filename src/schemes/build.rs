@@ -37,7 +37,7 @@ pub fn build<const D: usize>(
     check(plan, team.map_or(1, |team| team.size()))?;
     let options = plan.scheme_options;
     Ok(match method(plan) {
-        Method::Steady => return Err(StepError::Missing { part: "time.end" }),
+        Method::Steady => return Err(StepError::MissingPart { part: "time.end" }),
         Method::ForwardEuler => Box::new(ForwardEuler::new(model)?),
         Method::Relaxation => Box::new(QuasiStatic::new(Box::new(Relaxation::new(options)))),
         Method::Equilibrium => Box::new(QuasiStatic::new(assembled(plan, model)?)),
@@ -109,5 +109,6 @@ fn assembled<const D: usize>(
 }
 
 fn damage_of(plan: &Plan) -> Result<DamagePlan, StepError> {
-    plan.damage.ok_or(StepError::Missing { part: "[damage]" })
+    plan.damage
+        .ok_or(StepError::MissingPart { part: "[damage]" })
 }

@@ -116,7 +116,7 @@ pub enum StepError {
     #[error(
         "the scheme needs {part}, which the scene does not name; add it or choose another scheme"
     )]
-    Missing {
+    MissingPart {
         /// The section.
         part: &'static str,
     },
@@ -140,10 +140,10 @@ pub enum StepError {
     /// No equilibrium with damage was found.
     #[error(
         "no equilibrium with damage at t = {time:.6e} s: forces are out of balance by {residual:.1e} of \
-         all forces after {iterations} iterations of the run, wanted {tolerance:.1e}; raise \
+         all forces after {iterations} passes of the step, wanted {tolerance:.1e}; raise \
          damage.iterations or damage.tolerance, or take smaller steps"
     )]
-    NotBroken {
+    DamageNotConverged {
         /// Time, s.
         time: f64,
         /// Smallest forces out of balance over all forces.
@@ -156,10 +156,10 @@ pub enum StepError {
     /// Forces balance, but what pores and cracks took up is not what pressure and strain say.
     #[error(
         "pressure and strain do not agree in the fractures at t = {time:.6e} s: {splitting_residual:.1e} of the fluid taken \
-         up is not where they say after {iterations} passes of the run, allowed {allowed:.1e}; take smaller steps, or use \
+         up is not where they say after {iterations} passes of the step, allowed {allowed:.1e}; take smaller steps, or use \
          --scheme monolithic if another one is in use"
     )]
-    Owed {
+    SplittingNotConverged {
         /// Time, s.
         time: f64,
         /// Smallest share that strain owed while forces balanced.
@@ -174,7 +174,7 @@ pub enum StepError {
         "damage grows by more than {most} within the step to t = {time:.6e} s, and the step cannot be cut \
          further; raise damage.shortest_step, in which rock may break as it does"
     )]
-    Runs {
+    DamageGrowth {
         /// Time, s.
         time: f64,
         /// Growth that is allowed.
@@ -185,7 +185,7 @@ pub enum StepError {
         "more fluid leaves the crack at {at:.4?} m than it holds: {owed:.1e} of what moves in the step to t = {time:.6e} s; \
          pump less out of it, or end the run before"
     )]
-    Emptied {
+    FluidExhausted {
         /// Time, s.
         time: f64,
         /// Place of the point that lacks most, m.
@@ -198,7 +198,7 @@ pub enum StepError {
         "a crack is without fluid at {at:.4?} m in the step to t = {time:.6e} s, and this scheme holds no voids; --scheme \
          monolithic and staggered do; set flow.suction = true where pressures count from another zero"
     )]
-    HoldsVoid {
+    UnsupportedVoid {
         /// Time, s.
         time: f64,
         /// Place, m.
@@ -210,7 +210,7 @@ pub enum StepError {
          fluid.cavitation_pressure = {limit:.3e} Pa: fluid boils there and lags behind the tip; --scheme monolithic and \
          staggered follow it; set flow.suction = true where pressures count from another zero"
     )]
-    Boils {
+    Cavitation {
         /// Time, s.
         time: f64,
         /// Lowest pressure in cracks, Pa.
@@ -224,7 +224,7 @@ pub enum StepError {
          {iterations} iterations, wanted {tolerance:.1e}; raise scheme.adr_iterations or \
          scheme.adr_tolerance, or use --scheme staggered"
     )]
-    NotRelaxed {
+    RelaxationNotConverged {
         /// Time, s.
         time: f64,
         /// Iterations done.
@@ -239,7 +239,7 @@ pub enum StepError {
         "a rigid plate meets no resistance: nothing holds the body against it; clamp the opposite side \
          or put a roller there"
     )]
-    LoosePlate,
+    UnsupportedPlate,
     /// Flow and mechanics do not come to agree.
     #[error(
         "the coupling iteration did not converge at t = {time:.6e} s: disagreement {residual:.1e} after \
@@ -326,7 +326,7 @@ pub enum StepError {
          the storage of the rock has worn them down; take many more steps (time.safety, time.step), or use \
          --scheme semi-implicit"
     )]
-    Unsettled {
+    LaggedStrainOscillation {
         /// Time, s.
         time: f64,
         /// Root mean square over the range.
@@ -351,7 +351,7 @@ pub enum StepError {
          one suits; take smaller steps (time.step, time.max_step), use time.integrator = \"backward-euler\", or change \
          the limit"
     )]
-    RestlessWell {
+    OscillatingWell {
         /// Name.
         name: String,
         /// Time, s.
@@ -389,26 +389,26 @@ impl StepError {
             StepError::Solve(_)
             | StepError::Spec(_)
             | StepError::Pattern(_)
-            | StepError::NotRelaxed { .. } => Rejection::Solver,
-            StepError::Runs { .. } => Rejection::Growth,
-            StepError::NotBroken { .. }
-            | StepError::Owed { .. }
-            | StepError::Boils { .. }
-            | StepError::HoldsVoid { .. }
-            | StepError::Emptied { .. }
+            | StepError::RelaxationNotConverged { .. } => Rejection::Solver,
+            StepError::DamageGrowth { .. } => Rejection::Growth,
+            StepError::DamageNotConverged { .. }
+            | StepError::SplittingNotConverged { .. }
+            | StepError::Cavitation { .. }
+            | StepError::UnsupportedVoid { .. }
+            | StepError::FluidExhausted { .. }
             | StepError::CouplingDiverged { .. }
             | StepError::CouplingUnstable { .. }
             | StepError::FractureUnstable { .. } => Rejection::Coupling,
             StepError::NoEquilibrium { .. }
             | StepError::Unbalanced { .. }
-            | StepError::Unsettled { .. }
-            | StepError::LoosePlate
-            | StepError::RestlessWell { .. }
+            | StepError::LaggedStrainOscillation { .. }
+            | StepError::UnsupportedPlate
+            | StepError::OscillatingWell { .. }
             | StepError::NoSteadyState { .. } => Rejection::Balance,
             StepError::NotFinite { .. }
             | StepError::Unstable { .. }
             | StepError::TooSmall { .. }
-            | StepError::Missing { .. }
+            | StepError::MissingPart { .. }
             | StepError::Refused(_) => Rejection::Error,
         }
     }
@@ -424,11 +424,11 @@ impl StepError {
             StepError::Unstable { .. }
                 | StepError::CouplingUnstable { .. }
                 | StepError::FractureUnstable { .. }
-                | StepError::Missing { .. }
+                | StepError::MissingPart { .. }
                 | StepError::Refused(_)
-                | StepError::LoosePlate
-                | StepError::Emptied { .. }
-                | StepError::HoldsVoid { .. }
+                | StepError::UnsupportedPlate
+                | StepError::FluidExhausted { .. }
+                | StepError::UnsupportedVoid { .. }
         )
     }
 }
@@ -440,13 +440,13 @@ mod tests {
     #[test]
     fn a_failed_solve_and_passes_that_do_not_meet_are_told_apart() {
         let singular = StepError::Solve(SolveError::Singular { row: 3 });
-        let apart = StepError::NotBroken {
+        let apart = StepError::DamageNotConverged {
             time: 1.0,
             residual: 0.1,
             tolerance: 1e-4,
             iterations: 9,
         };
-        let runs = StepError::Runs {
+        let runs = StepError::DamageGrowth {
             time: 1.0,
             most: 0.1,
         };

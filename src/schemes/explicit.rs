@@ -54,7 +54,7 @@ impl<const D: usize> ForwardEuler<D> {
     /// Scheme with the stability limit of the flow alone.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without flow.
+    /// [`StepError::MissingPart`] without flow.
     pub fn new(model: &Model<D>) -> Result<Self, StepError> {
         let flow = flow_of(model)?;
         Ok(ForwardEuler {
@@ -78,7 +78,7 @@ impl<const D: usize> ForwardEuler<D> {
     /// Scheme with a solid that follows the pressure, named `solid`.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without flow.
+    /// [`StepError::MissingPart`] without flow.
     pub fn coupled(
         plan: &Plan,
         model: &Model<D>,

@@ -10,6 +10,7 @@ mod accelerator;
 mod border;
 mod build;
 mod control;
+mod descent;
 mod error;
 mod explicit;
 mod fracture;
@@ -23,7 +24,6 @@ mod relaxation;
 mod solid;
 mod stage;
 mod staggered;
-mod stagnation;
 mod start;
 mod state;
 mod steady;
@@ -207,12 +207,12 @@ fn flow_of<const D: usize>(model: &Model<D>) -> Result<&FlowModel<D>, StepError>
     model
         .flow
         .as_ref()
-        .ok_or(StepError::Missing { part: "[flow]" })
+        .ok_or(StepError::MissingPart { part: "[flow]" })
 }
 
 /// The mechanical part of a model.
 fn solid_of<const D: usize>(model: &Model<D>) -> Result<&SolidModel<D>, StepError> {
-    model.solid.as_deref().ok_or(StepError::Missing {
+    model.solid.as_deref().ok_or(StepError::MissingPart {
         part: "[mechanics]",
     })
 }
@@ -222,5 +222,5 @@ fn coupling_of<const D: usize>(model: &Model<D>) -> Result<&Coupling, StepError>
     model
         .coupling
         .as_ref()
-        .ok_or(StepError::Missing { part: "[coupling]" })
+        .ok_or(StepError::MissingPart { part: "[coupling]" })
 }

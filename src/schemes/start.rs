@@ -68,7 +68,7 @@ impl ExplicitStart {
     /// Whether the start is one that this does; a storage that couples points is part of a step without a length.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without flow.
+    /// [`StepError::MissingPart`] without flow.
     pub fn applies<const D: usize>(&self, model: &Model<D>) -> Result<bool, StepError> {
         Ok(flow_of(model)?.stabilisation.is_empty())
     }

@@ -29,7 +29,7 @@ impl Verlet {
     /// Scheme for a model with inertia; `flow` makes the pressure implicit, otherwise it is explicit.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without mechanics.
+    /// [`StepError::MissingPart`] without mechanics.
     pub fn new<const D: usize>(
         model: &Model<D>,
         flow: Option<ImplicitSystem>,

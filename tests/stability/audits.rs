@@ -245,7 +245,7 @@ fn swings_of_explicit_steps_that_did_not_wear_off_are_refused_by_name() {
     };
     match coarse("audit.mass=0.5").map(|_| ()) {
         Err(RunError::Step {
-            source: StepError::Unsettled { found, limit, .. },
+            source: StepError::LaggedStrainOscillation { found, limit, .. },
             ..
         }) => assert!(found > 0.02 && limit <= 0.02, "{found} {limit}"),
         other => panic!("{other:?}"),

@@ -137,7 +137,7 @@ fn too_few_iterations_are_named_and_nothing_is_accepted() {
     let Err(RunError::Step { source, .. }) = try_run(&plan) else {
         panic!("three iterations cannot break a specimen");
     };
-    assert!(matches!(source, StepError::NotBroken { residual, .. } if residual > 1e-4));
+    assert!(matches!(source, StepError::DamageNotConverged { residual, .. } if residual > 1e-4));
     assert!(source.to_string().contains("damage.iterations"));
 }
 

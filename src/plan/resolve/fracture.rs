@@ -2,8 +2,9 @@
 
 use super::Resolver;
 use crate::plan::types::{
-    ApertureRule, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan, EnergySplit,
-    Exponent, FractureFlowPlan, HourglassRule, InjectionPlan, Normalise, TransmissivityRule,
+    ApertureRule, CrackPlace, CrackPlan, DamageMethod, DamageModel, DamagePlan, DescentSettings,
+    EnergySplit, Exponent, FractureFlowPlan, HourglassRule, InjectionPlan, Normalise,
+    TransmissivityRule,
 };
 use crate::scene::quantity::values;
 use crate::scene::{self, disc_in_plane, points_in_space};
@@ -105,6 +106,7 @@ pub(super) fn damage(scene: &scene::Scene, end: f64) -> Option<DamagePlan> {
         shortest_step: damage
             .shortest_step
             .map_or(SHORTEST_STEP * end, |step| step.value()),
+        descent: DescentSettings::default(),
     })
 }
 

@@ -8,9 +8,9 @@ use crate::geometry::{Horizon, Shape};
 use crate::load::Load;
 use crate::plan::{
     Acceleration, ApertureRule, CrackKind, CrackPlace, CrackPlan, DamageMethod, DamageModel,
-    DamagePlan, EnergySplit, Exponent, FieldPlan, FractureFlowPlan, GradientChoice, HourglassRule,
-    InjectionPlan, Integrator, Normalise, SchemeChoice, SolidMethod, StoragePlan, Support,
-    TimeMode, TransmissivityRule,
+    DamagePlan, DescentSettings, EnergySplit, Exponent, FieldPlan, FractureFlowPlan,
+    GradientChoice, HourglassRule, InjectionPlan, Integrator, Normalise, SchemeChoice, SolidMethod,
+    StoragePlan, Support, TimeMode, TransmissivityRule,
 };
 use crate::scene::load_str;
 
@@ -259,6 +259,7 @@ fn what_breaks_arrives_in_si_with_its_defaults() {
         iterations: 1000,
         largest_increment: 0.3,
         shortest_step: 0.1,
+        descent: DescentSettings::default(),
     };
     assert_eq!(plan.damage, Some(damage));
     let fracture_flow = FractureFlowPlan {

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::DescentSettings;
+
 pub use crate::material::{DamageModel, EnergySplit, Exponent, HourglassRule};
 
 /// Variational damage (Eqs. 20 to 35).
@@ -33,6 +35,8 @@ pub struct DamagePlan {
     pub largest_increment: f64,
     /// Shortest adaptive step, s: growth that goes on in it is accepted however fast it is.
     pub shortest_step: f64,
+    /// Constants of the walk to equilibrium; no scene names them.
+    pub descent: DescentSettings,
 }
 
 /// What the fracture energy G_c over the length scale ℓ is scaled by.

@@ -2,6 +2,7 @@
 
 mod crack;
 mod damage;
+mod descent;
 mod field;
 mod initial;
 mod material;
@@ -22,6 +23,7 @@ pub use damage::{
     ApertureRule, DamageMethod, DamageModel, DamagePlan, EnergySplit, Exponent, FractureFlowPlan,
     HourglassRule, Normalise, TransmissivityRule,
 };
+pub use descent::DescentSettings;
 pub use field::{FieldPlan, with_contrast};
 pub use initial::InitialPlan;
 pub use material::{ElasticityPlan, MaterialPlan, PermeabilityPlan, PorousPlan, StoragePlan};

@@ -3,11 +3,11 @@
 use perifrac_solvers::CsrMatrix;
 use rayon::prelude::*;
 
-use super::tangents::TangentMatrix;
 use crate::geometry::Vector;
 use crate::model::{Coupling, CrackFlow, FlowModel, SolidModel};
 use crate::operators::Response;
 use crate::schemes::StepError;
+use crate::schemes::descent::TangentMatrix;
 use crate::schemes::layout::Layout;
 
 /// The monolithic matrix with the place of every entry of its blocks.
@@ -16,7 +16,7 @@ pub struct FractureBlock {
     pub layout: Layout,
     /// The matrix as last filled.
     pub matrix: CsrMatrix,
-    /// Place of every entry of K.
+    /// Iterate of every entry of K.
     stiffness: Vec<u32>,
     /// Places of what a bond couples along every axis: pressure row and displacement row of its end,
     /// and of its owner. Shape `(bonds · D,)`.
@@ -193,7 +193,7 @@ impl FractureBlock {
     }
 }
 
-/// Place of every entry of K in the matrix.
+/// Iterate of every entry of K in the matrix.
 fn stiffness_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -> Vec<u32> {
     let width = D + 1;
     let unknown = |u: usize| u / D * width + u % D;

@@ -72,7 +72,7 @@ impl<const D: usize> LaggedFracture<D> {
     fn follow(&mut self, model: &mut Model<D>, state: &State) -> Result<usize, StepError> {
         let response = model
             .response(&state.view())
-            .ok_or(StepError::Missing { part: "[damage]" })?;
+            .ok_or(StepError::MissingPart { part: "[damage]" })?;
         let fields = (&state.displacement[..], &state.walls[..]);
         model.follow_fractures(&response, fields, Spreading::Anew);
         let (solid, relaxation) = (self.passes.solid(), self.options.relaxation);
@@ -202,7 +202,7 @@ fn check_boiling<const D: usize>(model: &Model<D>, state: &State) -> Result<(), 
         return Ok(());
     };
     match lowest < limit - ROUNDING * model.level {
-        true => Err(StepError::Boils {
+        true => Err(StepError::Cavitation {
             time: state.time,
             pressure: lowest,
             limit,
@@ -214,7 +214,7 @@ fn check_boiling<const D: usize>(model: &Model<D>, state: &State) -> Result<(), 
 /// Refuses points of cracks without fluid, as nothing here fills them.
 fn check_voids<const D: usize>(model: &Model<D>, time: f64) -> Result<(), StepError> {
     match model.voids().keys().next() {
-        Some(point) => Err(StepError::HoldsVoid {
+        Some(point) => Err(StepError::UnsupportedVoid {
             time,
             at: (model.cloud.position[*point as usize].iter().copied()).collect(),
         }),
@@ -269,7 +269,7 @@ injection = { rate = "1e-6 m^2/s", at = ["0.5 m", "0.5 m"] }
         state.pressure[wet[0]] = -1e6;
         let refused = check_boiling(&model, &state);
         assert!(
-            matches!(refused, Err(StepError::Boils { pressure, .. }) if (pressure + 1e6).abs() < 1.0)
+            matches!(refused, Err(StepError::Cavitation { pressure, .. }) if (pressure + 1e6).abs() < 1.0)
         );
         Ok(())
     }

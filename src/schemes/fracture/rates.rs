@@ -12,7 +12,7 @@ impl Rates {
     /// alone bounds those.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without flow.
+    /// [`StepError::MissingPart`] without flow.
     pub(super) fn judge<const D: usize>(
         model: &Model<D>,
         response: Option<&Response<D>>,

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::tangents::KEPT;
 use super::*;
-use crate::plan::{Plan, resolve};
+use crate::plan::{DescentSettings, Plan, resolve};
 use crate::report::Timers;
 use crate::scene::load_str;
+use crate::schemes::descent::TangentMatrix;
 
 fn plan() -> Plan {
     let text = include_str!("../../../cases/notched-tension/scene.toml");
@@ -25,16 +25,16 @@ fn plan() -> Plan {
 fn pulled(times: &[f64], kept: f64) -> (State, u64) {
     let plan = plan();
     let model = Model::<2>::build(&plan, &mut Timers::default()).unwrap();
-    let damage = plan.damage.unwrap();
+    let mut damage = plan.damage.unwrap();
+    damage.descent.refill_threshold = kept;
     let mut solver = Fracture::new(&plan.fracture_demand(), &model, damage).unwrap();
-    solver.tangent.kept = kept;
     let mut state = State::initial(&model);
     for time in times {
         state.time = *time;
         solver.equilibrate(&model, &mut state).unwrap();
         crate::schemes::advance(&model, &mut state);
     }
-    (state, solver.tangent.refilled)
+    (state, solver.linear.tangent.refilled)
 }
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {
@@ -49,7 +49,8 @@ fn largest(field: &[f64]) -> f64 {
 #[test]
 fn the_full_refill_gives_the_same_field_with_more_work() {
     let run = |kept| pulled(&[1500.0, 2500.0, 3000.0], kept);
-    let ((sparing, few), (full, many)) = (run(KEPT), run(0.0));
+    let ((sparing, few), (full, many)) =
+        (run(DescentSettings::default().refill_threshold), run(0.0));
     let apart = apart(&full.displacement, &sparing.displacement);
     let largest = largest(&full.displacement);
     assert!(apart < 1e-5 * largest, "{apart} of {largest}");
@@ -76,8 +77,11 @@ fn the_exact_tangent_is_the_derivative_of_the_force() {
     let force = |u: &[f64]| solid.elastic.gather(&response_at(u).forces);
     let response = response_at(&state.displacement);
     assert!(response.damage.iter().any(|s| *s > 0.2));
-    let mut tangent = TangentMatrix::new(solid);
-    tangent.kept = 0.0;
+    let settings = DescentSettings {
+        refill_threshold: 0.0,
+        ..DescentSettings::default()
+    };
+    let mut tangent = TangentMatrix::new(solid, &settings);
     tangent.update(solid, damage, fields, &response, TangentKind::Consistent);
     let direction: Vec<f64> = (0..size).map(|k| (1.3 * k as f64).cos()).collect();
     let by = 1e-12;

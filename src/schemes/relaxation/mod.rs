@@ -71,7 +71,11 @@ impl Relaxation {
         let plate_stiffness = super::solid::plate_stiffness(solid);
         self.plates = match plate_stiffness.is_empty() {
             true => None,
-            false => Some(plate_stiffness.try_inverse().ok_or(StepError::LoosePlate)?),
+            false => Some(
+                plate_stiffness
+                    .try_inverse()
+                    .ok_or(StepError::UnsupportedPlate)?,
+            ),
         };
         Ok(())
     }
@@ -146,7 +150,7 @@ impl Relaxation {
         }
         match settled {
             true => Ok(done),
-            false => Err(StepError::NotRelaxed {
+            false => Err(StepError::RelaxationNotConverged {
                 time: state.time,
                 iterations: done,
                 residual: size / bar.forces,

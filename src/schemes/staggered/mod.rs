@@ -7,10 +7,10 @@
 mod disagreement;
 
 use super::accelerator::Accelerator;
+use super::descent::Stagnation;
 use super::memory::{Lag, Predictor};
 use super::solid::SolidSolver;
 use super::stage::{Stage, Target};
-use super::stagnation::Stagnation;
 use super::start::ExplicitStart;
 use super::undrained::undrained;
 use super::{
@@ -327,7 +327,7 @@ impl<const D: usize> Staggered<D> {
     /// The error for pressures that lagging strain amplifies.
     ///
     /// # Errors
-    /// [`StepError::Missing`] without flow or coupling.
+    /// [`StepError::MissingPart`] without flow or coupling.
     pub fn unstable(
         &self,
         model: &Model<D>,

@@ -173,7 +173,7 @@ fn is_refusal(error: &StepError) -> bool {
     matches!(
         error,
         StepError::Refused(_)
-            | StepError::Missing { .. }
+            | StepError::MissingPart { .. }
             | StepError::Spec(_)
             | StepError::Pattern(_)
     )

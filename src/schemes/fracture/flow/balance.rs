@@ -3,21 +3,14 @@
 use perifrac_solvers::norm2;
 
 use super::FractureFlowStep;
-use super::passes::SHALLOW;
 use super::stored::{StepStart, stored_increment};
 use crate::model::Model;
 use crate::operators::Response;
 use crate::schemes::fracture::Fracture;
 use crate::schemes::{SolidSolver, State, StepError, flow_of};
 
-const DEEP: usize = 16;
-/// Compliance of fractures over the storage in them below which the pressure hardly responds to the strain,
-/// and is brought to it in every pass.
-const WEAK: f64 = 0.1;
 /// Storage of a point with a void over what it and its neighbours would take up: its pressure stays as it is.
 const HELD: f64 = 1e12;
-/// Rounds in which more points may begin to boil in a pass of pressures alone.
-const BOILING: usize = 20;
 
 impl<const D: usize> FractureFlowStep<D> {
     /// What the pores must still take up over the step, zero where the pressure is prescribed or voids take it up, and
@@ -36,7 +29,7 @@ impl<const D: usize> FractureFlowStep<D> {
         let mut taken = stored_increment(model, start, state, Some(response))?;
         for (i, left) in left.iter_mut().enumerate() {
             let came = start.dt * *left;
-            *left = match self.is_fixed[i] {
+            *left = match self.system.is_fixed[i] {
                 true => 0.0,
                 false => came - taken[i],
             };
@@ -58,7 +51,8 @@ impl<const D: usize> FractureFlowStep<D> {
         state: &mut State,
         response: &Response<D>,
     ) -> Result<(usize, f64), StepError> {
-        model.boil(&self.is_fixed, &mut state.pressure);
+        model.boil(&self.system.is_fixed, &mut state.pressure);
+        let settings = self.plan.descent;
         let (mut iterations, mut rounds) = (0, 0);
         let mut owed = vec![0.0; state.pressure.len()];
         loop {
@@ -70,7 +64,9 @@ impl<const D: usize> FractureFlowStep<D> {
                 owed[i] += split.get(i).map_or(0.0, |split| split * change);
             }
             rounds += 1;
-            if !model.boil(&self.is_fixed, &mut state.pressure) || rounds == BOILING {
+            if !model.boil(&self.system.is_fixed, &mut state.pressure)
+                || rounds == settings.cavitation_rounds
+            {
                 let owed: f64 = owed.iter().map(|owed| owed.abs()).sum();
                 return Ok((iterations, owed / taken.max(f64::MIN_POSITIVE)));
             }
@@ -111,7 +107,7 @@ impl<const D: usize> FractureFlowStep<D> {
 
     /// Whether the compliance stands in for the strain to come: never where both are solved together.
     pub(super) fn splits(&self) -> bool {
-        self.compliance.strength > WEAK
+        self.compliance.strength > self.plan.descent.compliance_threshold
     }
 
     /// Brings the compliance of the fractures to those of the last step, where fields take turns and the
@@ -122,7 +118,7 @@ impl<const D: usize> FractureFlowStep<D> {
         old: &State,
         state: &State,
     ) -> Result<usize, StepError> {
-        if self.block.is_some() {
+        if self.system.is_coupled() {
             return Ok(0);
         }
         let (demand, plan) = (&self.demand, self.plan);
@@ -130,7 +126,10 @@ impl<const D: usize> FractureFlowStep<D> {
             |raised: &mut State| Fracture::new(demand, model, plan)?.equilibrate(model, raised);
         let iterations = self.compliance.follow(model, old, self.relaxation, solid)?;
         let (moved, pressed) = (norm2(&state.displacement), norm2(&state.pressure));
-        self.acceleration.depth = if self.splits() { DEEP } else { SHALLOW };
+        self.acceleration.depth = match self.splits() {
+            true => plan.descent.compliant_anderson_depth,
+            false => plan.descent.anderson_depth,
+        };
         if moved > 0.0 && pressed > 0.0 {
             self.unit = moved / pressed;
         }

@@ -6,44 +6,33 @@
 //! damage eliminated, is tried instead. The residual covers the forces and the mass, with the content of pores and
 //! cracks as a function of the state.
 
-use super::passes::{NEAR, PassMonitor};
-use super::{FractureFlowStep, StepStart, Trial};
+use super::{FractureFlowStep, StepStart};
 use crate::material::TangentKind;
 use crate::model::{Model, Spreading, Voids};
-use crate::schemes::{State, StepError, StepReport, flow_of};
-
-/// Fluid out of balance, relative to what moves in the step, that counts as none.
-const BALANCED_MASS: f64 = 5e-7;
-/// Fluid that rounding may lose in a step, relative to all that points hold. Where nothing moves passes cannot do
-/// better: in `kgd-toughness` at 12.5 cm, shut in after 1.5 s, steps to 1 s take 297 passes and 4 of 36 are cut, with
-/// 1e-14 11,242 passes and 107 of 207.
-const ROUNDING: f64 = 1e-12;
-/// Share of what a pass with the exact tangent found out of balance that it may leave.
-const LEFT: f64 = 0.9;
-/// Growth of all forces in a pass from which it has gone too far. Passes of `kgd-toughness/smoke` with 10, 100 and 1e3:
-/// 188, 185 and 181.
-const FAR: f64 = 100.0;
+use crate::plan::DescentSettings;
+use crate::schemes::descent::{
+    Direction, PassMonitor, Passes, Residuals, Trial, response_to, trial_at,
+};
+use crate::schemes::{State, StepError, flow_of};
 
 /// Where a pass stands.
-struct Place<const D: usize> {
+pub(super) struct Iterate<const D: usize> {
     at: Trial<D>,
     /// What points must still take up, m^D.
     mass: Vec<f64>,
     /// Voids in cracks, m^D.
     voids: Voids,
-    /// Forces out of balance, relative to all forces.
-    forces: f64,
+    /// What is out of balance.
+    left: Residuals,
     /// Whether the pressure of cracks has come to act elsewhere, so that it does not compare with the place before.
     rewetted: bool,
-    /// The larger of what is out of balance, forces and mass, over what is allowed.
-    off: f64,
 }
 
 /// Where the last pass started.
 struct Departure<const D: usize> {
     displacement: Vec<f64>,
     pressure: Vec<f64>,
-    place: Place<D>,
+    place: Iterate<D>,
     /// The tangent of the pass.
     tried: TangentKind,
 }
@@ -52,9 +41,9 @@ impl<const D: usize> Departure<D> {
     /// Share of the pass to leave where it made all forces very much larger; `None` where it did not. The tangent of a
     /// closed crack knows nothing of how far it opens: what is pumped into it would be squeezed into its pores, and from
     /// where that leads passes return by any way.
-    fn strayed(&self, to: &Place<D>) -> Option<f64> {
+    fn strayed(&self, to: &Iterate<D>, settings: &DescentSettings) -> Option<f64> {
         let grown = to.at.scale / self.place.at.scale;
-        (grown > FAR && grown.is_finite()).then(|| grown.recip())
+        (grown > settings.force_growth && grown.is_finite()).then(|| grown.recip())
     }
 
     /// Leaves a share of the pass that led to a state.
@@ -69,174 +58,201 @@ impl<const D: usize> Departure<D> {
     }
 }
 
-impl<const D: usize> FractureFlowStep<D> {
-    /// Passes until forces and mass balance at the coefficients that the model has then, from those of the step's
-    /// start.
-    pub(super) fn converge_coupled(
-        &mut self,
-        model: &mut Model<D>,
-        start: &StepStart<'_>,
-        state: &mut State,
-        report: &mut StepReport,
-    ) -> Result<(), StepError> {
-        flow_of(model)?.fix_values(state.time, &mut state.pressure);
-        let mut watch = PassMonitor::new(0.0);
-        let mut before: Option<Departure<D>> = None;
-        self.spreading = Spreading::Anew;
-        for pass in 0..=self.plan.iterations {
-            let mut here = self.place(model, start, state)?;
-            if let Some(from) = &before
-                && let Some(share) = from.strayed(&here)
-            {
-                from.shorten(state, share);
-                here = self.place(model, start, state)?;
-            }
-            // The exact tangent may have led astray.
-            if let Some(from) = before.take()
-                && from.tried == TangentKind::Consistent
-                && !here.rewetted
-                && self.led_astray(&from.place, &here, &watch)
-            {
-                self.policy.failed();
-                (state.displacement, state.pressure) = (from.displacement, from.pressure);
-                here = self.return_to(model, from.place)?;
-            }
-            report.passes = pass;
-            report.residual = Some(here.forces);
-            if here.off <= 1.0 {
-                self.largest = self.largest.max(here.at.scale);
-                return Ok(());
-            }
-            if start.dt > self.cut_above && self.runs(model, start.state, &here.at)? {
-                let (time, most) = (state.time, self.plan.largest_increment);
-                return Err(StepError::Runs { time, most });
-            }
-            watch.best = watch.best.min(here.forces);
-            if here.forces <= self.plan.tolerance {
-                watch.splitting_residual = watch.splitting_residual.min(here.off * BALANCED_MASS);
-            }
-            let broken = here.at.response.damage.iter().sum();
-            if !watch.continues(here.off, broken, false) || pass == self.plan.iterations {
-                break;
-            }
-            let (displacement, pressure) = (state.displacement.clone(), state.pressure.clone());
-            let tried = self.advance_together(model, state, &here, start.dt, report)?;
-            self.passes += 1;
-            before = Some(Departure {
-                displacement,
-                pressure,
-                place: here,
-                tried,
-            });
+/// Passes of both fields.
+pub(super) struct CoupledPasses<'a, const D: usize> {
+    step: &'a mut FractureFlowStep<D>,
+    /// The model with the coefficients of the last place.
+    model: &'a mut Model<D>,
+    start: &'a StepStart<'a>,
+    before: Option<Departure<D>>,
+    /// How far the pressure of cracks may reach in the next pass.
+    spreading: Spreading,
+}
+
+impl<'a, const D: usize> CoupledPasses<'a, D> {
+    /// Before the first pass, with the model at the coefficients of the step's start.
+    pub fn new(
+        step: &'a mut FractureFlowStep<D>,
+        model: &'a mut Model<D>,
+        start: &'a StepStart<'a>,
+    ) -> Self {
+        CoupledPasses {
+            step,
+            model,
+            start,
+            before: None,
+            spreading: Spreading::Anew,
         }
-        Err(watch.failure(state.time, self.plan.tolerance, self.passes as usize))
+    }
+
+    fn settings(&self) -> &DescentSettings {
+        &self.step.descent.settings
     }
 
     /// Whether a pass with the exact tangent left too much of the forces out of balance, or of all where passes make no
     /// progress: near balance they may go round in circles of two to five for good.
-    fn led_astray(&self, from: &Place<D>, to: &Place<D>, watch: &PassMonitor) -> bool {
-        let tolerance = self.plan.tolerance;
-        let circles = watch.is_stuck() && to.off > LEFT * from.off;
-        circles || to.forces > tolerance.max(LEFT * from.forces)
+    fn led_astray(&self, from: &Iterate<D>, to: &Iterate<D>, monitor: &PassMonitor) -> bool {
+        let (tolerance, share) = (
+            self.step.plan.tolerance,
+            self.settings().sufficient_reduction,
+        );
+        let off = |place: &Iterate<D>| monitor.off(&place.left);
+        let circles = monitor.is_stuck() && off(to) > share * off(from);
+        circles || to.left.forces > tolerance.max(share * from.left.forces)
+    }
+
+    /// A trial at a state, with the forces it leaves out of balance relative to all.
+    fn try_at(&mut self, state: &State) -> Result<(Trial<D>, f64), StepError> {
+        let at = trial_at(self.model, state, response_to(self.model, state)?)?;
+        self.step.descent.searches += 1;
+        let forces = at.imbalance(self.step.scale(), state)?;
+        Ok((at, forces))
     }
 
     /// Brings coefficients to the state and measures what is out of balance.
-    fn place(
-        &mut self,
-        model: &mut Model<D>,
-        start: &StepStart<'_>,
-        state: &mut State,
-    ) -> Result<Place<D>, StepError> {
-        model.boil(&self.is_fixed, &mut state.pressure);
-        let mut at = self.evaluate(model, state)?;
-        let mut forces = self.imbalance(&at, state.time)?;
+    fn measure(&mut self, state: &mut State) -> Result<Iterate<D>, StepError> {
+        self.boil(state);
+        let (mut at, mut forces) = self.try_at(state)?;
         let mut rewetted = false;
         // Far from balance a pass may break much that does not stay so: nothing becomes wet by it.
-        if forces <= NEAR {
-            let before = model.wet_points();
+        if forces <= self.settings().near_balance {
+            let before = self.model.wet_points();
             let fields = (&state.displacement[..], &state.walls[..]);
             let spreading = std::mem::replace(&mut self.spreading, Spreading::Further);
-            model.follow_fractures(&at.response, fields, spreading);
-            rewetted = before != model.wet_points();
-            let boils = model.boil(&self.is_fixed, &mut state.pressure);
+            self.model.follow_fractures(&at.response, fields, spreading);
+            rewetted = before != self.model.wet_points();
+            let boils = self.boil(state);
             if rewetted || boils {
-                at = self.evaluate(model, state)?;
-                forces = self.imbalance(&at, state.time)?;
+                (at, forces) = self.try_at(state)?;
             }
         } else {
-            model.follow_openings(&at.response);
+            self.model.follow_openings(&at.response);
         }
-        let (mass, taken) = self.mass_residual(model, start, state, &at.response)?;
-        let voids = model.voids();
-        let moved = self.moved(model, start, state, taken)?;
-        let mass_off = mass.iter().map(|m| m.abs()).sum::<f64>() / moved;
-        let off = (forces / self.plan.tolerance).max(mass_off / BALANCED_MASS);
-        Ok(Place {
+        let (model, start) = (&mut *self.model, self.start);
+        let (mass, taken) = self.step.mass_residual(model, start, state, &at.response)?;
+        let moved = self.moved(state, taken)?;
+        let owed = mass.iter().map(|m| m.abs()).sum::<f64>() / moved;
+        Ok(Iterate {
             at,
             mass,
-            voids,
-            forces,
-            off,
+            voids: self.model.voids(),
+            left: Residuals {
+                forces,
+                mass: owed,
+                allowed: [self.settings().mass_tolerance; 2],
+            },
             rewetted,
         })
     }
 
-    /// A place that was left, with the coefficients that it had.
-    fn return_to(&mut self, model: &mut Model<D>, place: Place<D>) -> Result<Place<D>, StepError> {
-        model.follow_openings(&place.at.response);
-        model.set_voids(&place.voids);
-        Ok(place)
+    fn boil(&mut self, state: &mut State) -> bool {
+        self.model
+            .boil(&self.step.system.is_fixed, &mut state.pressure)
+    }
+
+    /// Goes back to where a pass started, with the coefficients that it had.
+    fn return_to(&mut self, state: &mut State, from: Departure<D>) -> Iterate<D> {
+        (state.displacement, state.pressure) = (from.displacement, from.pressure);
+        self.model.follow_openings(&from.place.at.response);
+        self.model.set_voids(&from.place.voids);
+        from.place
     }
 
     /// Scale of the fluid that moves in a step in which points took up `taken` (Σ of absolutes), m^D. What strain and
     /// pressure move in opposite ways counts as well, and rounding of all that is held.
-    fn moved(
-        &self,
-        model: &Model<D>,
-        start: &StepStart<'_>,
-        state: &State,
-        taken: f64,
-    ) -> Result<f64, StepError> {
-        let flow = flow_of(model)?;
+    fn moved(&self, state: &State, taken: f64) -> Result<f64, StepError> {
+        let flow = flow_of(self.model)?;
         let size = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
-        let step = state.since(start.state);
-        let strained = size(&model.content(&step.displacement, &step.walls));
+        let step = state.since(self.start.state);
+        let strained = size(&self.model.content(&step.displacement, &step.walls));
         let pairs = flow.capacity.iter().zip(&step.pressure);
         let squeezed: f64 = pairs.map(|(capacity, p)| (capacity * p).abs()).sum();
-        let gross = start.dt * flow.flows(&state.pressure, state.time).gross;
-        let rounding = ROUNDING / BALANCED_MASS * size(&start.held);
+        let gross = self.start.dt * flow.flows(&state.pressure, state.time).gross;
+        let settings = self.settings();
+        let rounding = settings.mass_rounding / settings.mass_tolerance * size(&self.start.held);
         let moved = taken + strained + squeezed + gross;
         Ok(moved.max(rounding).max(f64::MIN_POSITIVE))
     }
 
-    /// Solves the linear system of both fields and moves the state by what it tells; gives its tangent.
-    fn advance_together(
+    /// Solves the linear system of both fields; gives its tangent.
+    fn solve(
         &mut self,
-        model: &Model<D>,
-        state: &mut State,
-        here: &Place<D>,
-        dt: f64,
-        report: &mut StepReport,
-    ) -> Result<TangentKind, StepError> {
+        state: &State,
+        here: &Iterate<D>,
+    ) -> Result<(Direction, TangentKind), StepError> {
         // At fixed damage a pass never leads up; with a part of the softening it may.
-        let mut softening = match self.policy.next(here.forces) {
+        let mut tangent = match self.step.descent.policy.next(here.left.forces) {
             TangentKind::Bounded => TangentKind::Secant,
-            softening => softening,
+            tangent => tangent,
         };
-        let from = (&here.at, &here.mass[..]);
-        let mut solved = self.solve_together(model, state, from, (dt, softening), report);
-        if softening == TangentKind::Consistent && solved.is_err() {
-            self.policy.failed();
-            self.reuse.forget();
-            softening = TangentKind::Secant;
-            solved = self.solve_together(model, state, from, (dt, softening), report);
+        let (model, dt, from) = (&*self.model, self.start.dt, (&here.at, &here.mass[..]));
+        let system = &mut self.step.system;
+        let mut solved = system.solve_together(model, state, from, (dt, tangent));
+        if tangent == TangentKind::Consistent && solved.is_err() {
+            self.step.descent.policy.failed();
+            tangent = TangentKind::Secant;
+            solved = system.solve_together(model, state, from, (dt, tangent));
         }
-        let change = solved?.ok_or(StepError::Missing {
-            part: "the matrix of both fields",
-        })?;
+        Ok((solved?, tangent))
+    }
+}
+
+impl<const D: usize> Passes<D> for CoupledPasses<'_, D> {
+    type Iterate = Iterate<D>;
+
+    fn place(
+        &mut self,
+        state: &mut State,
+        _found: Option<Trial<D>>,
+        monitor: &PassMonitor,
+    ) -> Result<(Iterate<D>, Residuals), StepError> {
+        let mut here = self.measure(state)?;
+        if let Some(from) = &self.before
+            && let Some(share) = from.strayed(&here, &self.step.descent.settings)
+        {
+            from.shorten(state, share);
+            here = self.measure(state)?;
+        }
+        // The exact tangent may have led astray.
+        if let Some(from) = self.before.take()
+            && from.tried == TangentKind::Consistent
+            && !here.rewetted
+            && self.led_astray(&from.place, &here, monitor)
+        {
+            self.step.descent.policy.failed();
+            here = self.return_to(state, from);
+        }
+        let left = here.left;
+        Ok((here, left))
+    }
+
+    fn trial<'a>(&self, place: &'a Iterate<D>) -> &'a Trial<D> {
+        &place.at
+    }
+
+    fn check(&self, state: &State, place: &Iterate<D>) -> Result<(), StepError> {
+        self.step
+            .check_run(self.model, self.start, state, &place.at)
+    }
+
+    fn advance(
+        &mut self,
+        state: &mut State,
+        place: Iterate<D>,
+        _monitor: &PassMonitor,
+    ) -> Result<Option<Option<Trial<D>>>, StepError> {
+        let (displacement, pressure) = (state.displacement.clone(), state.pressure.clone());
+        let (change, tried) = self.solve(state, &place)?;
         let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(t, b)| *t += b);
         add(&mut state.displacement, &change.displacement);
         add(&mut state.pressure, &change.pressure);
-        Ok(softening)
+        self.step.passes += 1;
+        self.before = Some(Departure {
+            displacement,
+            pressure,
+            place,
+            tried,
+        });
+        Ok(Some(None))
     }
 }

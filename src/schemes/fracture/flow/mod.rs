@@ -16,60 +16,45 @@
 
 mod balance;
 mod coupled;
-mod direction;
-mod passes;
+mod eliminated;
 mod stored;
+mod system;
 
-use perifrac_solvers::{
-    Coordinates, Demand, LinearSolver, NearNullspace, PRECONDITIONERS, PreconditionerInfo, Problem,
-    SolverSpec, Symmetry,
-};
+use perifrac_solvers::{Demand, PRECONDITIONERS, PreconditionerInfo, SolverSpec, Symmetry};
 
 use super::Fracture;
-use super::acceleration::AndersonAcceleration;
-use super::block::FractureBlock;
 use super::compliance::Compliance;
-use super::reuse::PreconditionerReuse;
-use super::tangent_policy::TangentPolicy;
-use super::tangents::TangentMatrix;
 use crate::model::{Model, Spreading};
-use crate::operators::Response;
 use crate::plan::{DamagePlan, Plan, SchemeChoice, StepRule};
+use crate::schemes::descent::{
+    AndersonAcceleration, Descent, Trial, converge, damage_of, response_to,
+};
 use crate::schemes::memory::Rates;
 use crate::schemes::quasi_static::{advance, growth};
-use crate::schemes::solid::{Chosen, build_solver, ratio, volume_stiffness};
 use crate::schemes::{
     ImplicitSystem, Memory, Scheme, SchemeCounters, SolidSolver, State, StepError, StepReport,
     coupling_of, flow_of, solid_of,
 };
 pub use stored::{StepStart, close, fill_broken};
 
-use passes::{FORCING, RETURNS, SHALLOW};
+use coupled::CoupledPasses;
+use eliminated::EliminatedPasses;
+use system::FractureSystem;
 
 /// Flow and fracture together.
 pub struct FractureFlowStep<const D: usize> {
-    solver: Box<dyn LinearSolver>,
-    chosen: Chosen,
-    /// The matrix of both fields; `None` where they take turns.
-    block: Option<FractureBlock>,
-    is_fixed: Vec<bool>,
+    system: FractureSystem<D>,
     flow: ImplicitSystem,
-    tangent: TangentMatrix<D>,
     plan: DamagePlan,
     name: String,
-    /// Largest forces so far, N.
-    largest: f64,
-    /// Residual of the linear systems: smaller where passes turn out to suffer from it.
-    forcing: f64,
-    reuse: PreconditionerReuse,
+    descent: Descent,
     acceleration: AndersonAcceleration,
-    policy: TangentPolicy,
+    /// Largest forces of accepted states, N.
+    largest: f64,
     /// Step above which one that breaks too much may be cut, s; infinite for fixed steps.
     cut_above: f64,
     /// Whether passes move pressure and displacement together, and do not bring the one to the other.
     together: bool,
-    /// How far the pressure of cracks may reach in the next pass.
-    spreading: Spreading,
     /// What fractures yield, where fields take turns.
     compliance: Compliance,
     /// Factor of that.
@@ -79,17 +64,7 @@ pub struct FractureFlowStep<const D: usize> {
     /// Unit of the pressure beside the displacement, m/Pa.
     unit: f64,
     passes: u64,
-    searches: u64,
     products: u64,
-}
-
-/// Pressure and displacement with what they leave out of balance.
-struct Trial<const D: usize> {
-    response: Response<D>,
-    /// Forces out of balance, N.
-    force: Vec<f64>,
-    /// Σ of the absolute forces, N.
-    scale: f64,
 }
 
 impl<const D: usize> FractureFlowStep<D> {
@@ -98,74 +73,113 @@ impl<const D: usize> FractureFlowStep<D> {
     /// # Errors
     /// [`StepError`] if a solver is refused.
     pub fn new(plan: &Plan, damage: DamagePlan, model: &Model<D>) -> Result<Self, StepError> {
-        let (flow, solid, coupling) = (flow_of(model)?, solid_of(model)?, coupling_of(model)?);
         let together = !matches!(plan.scheme, SchemeChoice::Staggered(_));
-        let block = together
-            .then(|| FractureBlock::new(flow, solid, coupling))
-            .transpose()?;
-        let coordinates = model.cloud.flat_positions();
-        let scale = block.as_ref().map_or(1.0, |block| block.layout.scale);
-        let schur: Vec<f64> = coupling
-            .fixed_stress
-            .iter()
-            .map(|b| scale * scale * b)
-            .collect();
-        let plain = match &block {
-            Some(block) => Problem {
-                schur_diagonal: Some(&schur),
-                ..Problem::new(block.matrix.view(), Symmetry::QuasiDefinite, D + 1)
-            },
-            None => Problem::new(solid.matrix(), Symmetry::PositiveDefinite, D),
-        };
         let demand = plan.fracture_demand();
-        let problem = Problem {
-            solves: demand.solves,
-            lags: block.is_some(),
-            contrast: ratio(flow.mobility.iter().copied()).max(plan.expected_contrast()),
-            volume_stiffness: volume_stiffness(solid),
-            coordinates: Some(Coordinates {
-                dimension: D,
-                values: &coordinates,
-            }),
-            near_nullspace: NearNullspace::RigidModes,
-            ..plain
-        };
-        let (solver, chosen) = build_solver(&demand.spec, &problem, &model.timers)?;
-        let part = perifrac_solvers::Demand {
+        let system = FractureSystem::new(plan, &damage, model, (&demand, together))?;
+        let part = Demand {
             spec: part_of(&demand.spec)?,
             ..demand
         };
         Ok(FractureFlowStep {
-            solver,
-            chosen,
-            is_fixed: flow.fixed_mask(),
+            system,
             name: match together {
                 true => "monolithic (backward-euler, damage)".to_owned(),
                 false => "staggered (backward-euler, damage)".to_owned(),
             },
-            block,
-            flow: ImplicitSystem::new(&part, flow)?,
-            tangent: TangentMatrix::new(solid),
+            flow: ImplicitSystem::new(&part, flow_of(model)?)?,
             plan: damage,
+            descent: Descent::new(&damage),
+            acceleration: AndersonAcceleration::new(damage.descent),
             largest: 0.0,
-            forcing: FORCING,
-            reuse: PreconditionerReuse::default(),
-            acceleration: AndersonAcceleration::new(SHALLOW),
-            policy: TangentPolicy::new(damage.method),
             cut_above: match plan.time.step {
                 StepRule::Fixed(_) => f64::INFINITY,
                 StepRule::Adaptive => damage.shortest_step,
             },
             together: together && model.has_crack_content(),
-            spreading: Spreading::Anew,
             compliance: Compliance::default(),
             relaxation: plan.scheme_options.relaxation,
             demand: part,
             unit: 1.0,
             passes: 0,
-            searches: 0,
             products: 0,
         })
+    }
+}
+
+impl<const D: usize> FractureFlowStep<D> {
+    /// Passes until forces balance; gives the model with the coefficients that belong to the state.
+    fn solve(
+        &mut self,
+        model: &Model<D>,
+        start: &StepStart<'_>,
+        state: &mut State,
+        report: &mut StepReport,
+    ) -> Result<Model<D>, StepError> {
+        let (mut now, plan) = (model.clone(), self.plan);
+        flow_of(model)?.fix_values(state.time, &mut state.pressure);
+        let before = self.system.linear.iterations;
+        let scale = match self.together {
+            true => {
+                let mut passes = CoupledPasses::new(self, &mut now, start);
+                converge(&mut passes, &plan, state, report)
+            }
+            false => {
+                self.acceleration.forget();
+                self.system.relax();
+                let mut passes = EliminatedPasses::new(self, &mut now, start);
+                let scale = converge(&mut passes, &plan, state, report);
+                report.iterations += passes.iterations;
+                scale
+            }
+        }?;
+        report.iterations += self.system.linear.iterations - before;
+        self.largest = self.largest.max(scale);
+        Ok(now)
+    }
+
+    /// Forces that count as a scale, however small those of a state are, N.
+    fn scale(&self) -> f64 {
+        self.plan.descent.remembered_scale * self.largest
+    }
+
+    /// Refuses a step in which so much has broken that it will be rejected: a crack that runs takes many passes, which
+    /// are better spent on the step that keeps it.
+    fn check_run(
+        &self,
+        model: &Model<D>,
+        start: &StepStart<'_>,
+        state: &State,
+        at: &Trial<D>,
+    ) -> Result<(), StepError> {
+        if start.dt <= self.cut_above {
+            return Ok(());
+        }
+        let before = damage_of(solid_of(model)?)?.of(&start.state.history);
+        let pairs = at.response.damage.iter().zip(&before);
+        let growth = pairs.map(|(now, before)| now - before).fold(0.0, f64::max);
+        let most = self.plan.largest_increment;
+        match growth > self.plan.descent.growth_cutoff * most {
+            true => Err(StepError::DamageGrowth {
+                time: state.time,
+                most,
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// What passes move: the displacement, and the pressure where that is no function of it, in units
+    /// that make both count alike.
+    fn unknowns(&self, state: &State) -> Vec<f64> {
+        let pressure = state.pressure.iter().map(|p| self.unit * p);
+        let pressure = pressure.take(if self.splits() { usize::MAX } else { 0 });
+        state.displacement.iter().copied().chain(pressure).collect()
+    }
+
+    fn set_unknowns(&self, unknowns: &[f64], state: &mut State) {
+        let (displacement, pressure) = unknowns.split_at(state.displacement.len());
+        state.displacement.copy_from_slice(displacement);
+        let pairs = state.pressure.iter_mut().zip(pressure);
+        pairs.for_each(|(p, own)| *p = own / self.unit);
     }
 }
 
@@ -175,7 +189,7 @@ impl<const D: usize> FractureFlowStep<D> {
     fn start_drained(&mut self, model: &Model<D>, state: &mut State) -> Result<(), StepError> {
         flow_of(model)?.fix_values(state.time, &mut state.pressure);
         let mut now = model.clone();
-        for _ in 0..=RETURNS {
+        for _ in 0..=self.plan.descent.start_rounds {
             Fracture::new(&self.demand, &now, self.plan)?.equilibrate(&now, state)?;
             advance(&now, state);
             if !Self::fill_start(&mut now, state)? {
@@ -189,9 +203,7 @@ impl<const D: usize> FractureFlowStep<D> {
     /// Gives what is broken at a start fluid of its own at the pressure of the pores; true if there was anything, or the pressure
     /// of a crack acts elsewhere.
     fn fill_start(now: &mut Model<D>, state: &mut State) -> Result<bool, StepError> {
-        let response = now
-            .response(&state.view())
-            .ok_or(StepError::Missing { part: "[damage]" })?;
+        let response = response_to(now, state)?;
         let before = now.wet_points();
         let fields = (&state.displacement[..], &state.walls[..]);
         now.follow_fractures(&response, fields, Spreading::Anew);
@@ -204,8 +216,8 @@ impl<const D: usize> FractureFlowStep<D> {
         state.coefficients = now.coefficients();
         let memory = &mut state.memory;
         memory.largest_force = self.largest;
-        memory.forcing = Some(self.forcing);
-        memory.tangent_rest = self.policy.rest;
+        memory.forcing = Some(self.system.forcing);
+        memory.tangent_rest = self.descent.policy.rest;
         memory.unit = Some(self.unit);
         memory.compliance = self.compliance.measured;
     }
@@ -217,7 +229,7 @@ fn check_drawn<const D: usize>(model: &Model<D>, state: &State, dt: f64) -> Resu
         return Ok(());
     };
     let moved = dt * flow_of(model)?.flows(&state.pressure, state.time).gross;
-    Err(StepError::Emptied {
+    Err(StepError::FluidExhausted {
         time: state.time,
         at: model.cloud.position[point].iter().copied().collect(),
         owed: dt * drawn / moved.max(f64::MIN_POSITIVE),
@@ -251,14 +263,12 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
 
     fn recall(&mut self, memory: &Memory) {
         self.largest = memory.largest_force;
-        self.forcing = memory.forcing.unwrap_or(FORCING);
-        self.policy.rest = memory.tangent_rest;
+        let forcing = memory.forcing;
+        self.system.forcing = forcing.unwrap_or(self.plan.descent.coupled_forcing);
+        self.descent.policy.rest = memory.tangent_rest;
         self.unit = memory.unit.unwrap_or(1.0);
         self.compliance.measured = memory.compliance;
-        // Tangents and preconditioners lag behind within a step only.
-        self.tangent.forget();
-        self.reuse.forget();
-        self.solver.begin_anew();
+        self.system.linear.begin_anew();
         self.flow.begin_anew();
     }
 
@@ -313,16 +323,16 @@ impl<const D: usize> Scheme<D> for FractureFlowStep<D> {
     fn counters(&self) -> SchemeCounters {
         SchemeCounters {
             products: self.products,
-            solver: self.solver.counters().clone(),
+            solver: self.system.linear.counters(),
             coupling_iterations: self.passes,
-            searches: self.searches,
-            fallbacks: self.policy.failures,
-            refilled_families: self.tangent.refilled,
+            searches: self.descent.searches,
+            fallbacks: self.descent.policy.failures,
+            refilled_families: self.system.linear.tangent.refilled,
             ..SchemeCounters::default()
         }
     }
 
     fn solver(&self) -> Option<(String, String)> {
-        Some(self.chosen.clone())
+        Some(self.system.linear.chosen.clone())
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn stored_increment<const D: usize>(
 /// pores took up; with the response to the new state where cracks hold fluid of their own.
 ///
 /// # Errors
-/// [`StepError::Missing`] without flow.
+/// [`StepError::MissingPart`] without flow.
 pub fn close<const D: usize>(
     model: &Model<D>,
     start: &StepStart<'_>,

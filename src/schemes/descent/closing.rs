@@ -7,9 +7,6 @@
 
 use crate::operators::Response;
 
-/// How far along a direction that leads nowhere points are looked for, in units of it: they are at the edge.
-pub(super) const NEXT_TO_HERE: f64 = 1e-4;
-
 /// Raises the history (J/m³, shape `(n,)`) of points that are open in `here` and closed in `there` to what drove them
 /// in `here`; whether there are any. The response `here` stays what it is.
 pub(super) fn keep_broken<const D: usize>(

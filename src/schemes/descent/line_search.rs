@@ -1,9 +1,10 @@
 //! How far to walk along a direction in which a potential falls.
 
+use super::DescentSettings;
 use crate::schemes::StepError;
 
 /// A place along the direction.
-pub struct LineSearch<T> {
+pub(super) struct Reached<T> {
     /// Length in units of the direction.
     pub length: f64,
     /// How far the potential has fallen, J.
@@ -14,14 +15,6 @@ pub struct LineSearch<T> {
     pub found: T,
 }
 
-/// Part of the decrease that the slope promises and that must be kept.
-const SUFFICIENT: f64 = 1e-4;
-const MOST_CUTS: usize = 12;
-/// Slope left over, relative to that at the start, from which a longer step is tried.
-const STEEP: f64 = 0.3;
-/// Longest step: near the load at which rock begins to run the potential is nearly straight.
-const LONGEST: f64 = 64.0;
-
 /// Finds a place where the potential has fallen enough for its `slope` at the start; `None` if there is
 /// none. Differences below `rounding` (J) say nothing.
 ///
@@ -29,19 +22,20 @@ const LONGEST: f64 = 64.0;
 ///
 /// # Errors
 /// Those of `visit`, which evaluates a length.
-pub fn line_search<T>(
+pub(super) fn line_search<T>(
+    settings: &DescentSettings,
     slope: f64,
     rounding: f64,
-    mut visit: impl FnMut(f64) -> Result<LineSearch<T>, StepError>,
-) -> Result<Option<LineSearch<T>>, StepError> {
+    mut visit: impl FnMut(f64) -> Result<Reached<T>, StepError>,
+) -> Result<Option<Reached<T>>, StepError> {
     let mut length = 1.0;
-    for _ in 0..MOST_CUTS {
+    for _ in 0..settings.most_cuts {
         let reached = visit(length)?;
-        if reached.fallen >= SUFFICIENT * length * slope - rounding {
-            let ends = length < 1.0 || reached.left <= STEEP * slope;
+        if reached.fallen >= settings.sufficient_decrease * length * slope - rounding {
+            let ends = length < 1.0 || reached.left <= settings.curvature_condition * slope;
             return match ends {
                 true => Ok(Some(reached)),
-                false => expand(slope, reached, visit).map(Some),
+                false => expand(settings, slope, reached, visit).map(Some),
             };
         }
         // Minimum of the parabola through both values and the slope at the start.
@@ -58,13 +52,14 @@ pub fn line_search<T>(
 
 /// Longer steps as long as the potential keeps falling.
 fn expand<T>(
+    settings: &DescentSettings,
     slope: f64,
-    first: LineSearch<T>,
-    mut visit: impl FnMut(f64) -> Result<LineSearch<T>, StepError>,
-) -> Result<LineSearch<T>, StepError> {
+    first: Reached<T>,
+    mut visit: impl FnMut(f64) -> Result<Reached<T>, StepError>,
+) -> Result<Reached<T>, StepError> {
     let mut best = first;
     let mut before = slope;
-    while best.left > STEEP * slope && best.length < LONGEST {
+    while best.left > settings.curvature_condition * slope && best.length < settings.longest_step {
         // Where the slope would vanish if it went on changing as it did, but not too far.
         let step = match before > best.left {
             true => (best.left / (before - best.left)).min(3.0),
@@ -91,14 +86,16 @@ mod tests {
             let by = 1e-6 * length;
             let left = (potential(length - by) - potential(length + by)) / (2.0 * by);
             let fallen = potential(0.0) - potential(length);
-            Ok(LineSearch {
+            Ok(Reached {
                 length,
                 fallen,
                 left,
                 found: (),
             })
         };
-        let found = line_search(slope, 0.0, visit).unwrap().unwrap();
+        let found = line_search(&DescentSettings::default(), slope, 0.0, visit)
+            .unwrap()
+            .unwrap();
         (found.length, visits)
     }
 

@@ -8,15 +8,10 @@ use crate::geometry::{Matrix, Vector};
 use crate::material::{Tangent, TangentKind};
 use crate::model::SolidModel;
 use crate::operators::{Damage, DamageFields, Elastic, Response};
-
-/// Change of a tangent, relative to the intact moduli, below which its rows are kept.
-pub const KEPT: f64 = 1e-3;
-
-/// Change of the weakest modulus, relative to itself, above which they are not.
-const STALE: f64 = 0.1;
+use crate::plan::DescentSettings;
 
 /// Tangents of all points and the matrix made of them.
-pub struct TangentMatrix<const D: usize> {
+pub(crate) struct TangentMatrix<const D: usize> {
     /// K over unknowns, N/m.
     pub matrix: CsrMatrix,
     tangents: Vec<Tangent<D>>,
@@ -25,8 +20,10 @@ pub struct TangentMatrix<const D: usize> {
     /// Derivative of the driving energy of families that soften by their bond differences, N, shape
     /// `(bonds,)`.
     drives: Vec<Vector<D>>,
-    /// Change below which rows are kept; 0 refills all that changed at all.
-    pub kept: f64,
+    /// Changes below which rows are kept; 0 refills all that changed at all.
+    kept: f64,
+    /// Change of the weakest modulus above which they are not.
+    worn: f64,
     /// Families refilled so far.
     pub refilled: u64,
     /// Whether the matrix belongs to nothing yet.
@@ -63,7 +60,7 @@ impl<const D: usize> Moduli<D> for Damaged<'_, D> {
 
 impl<const D: usize> TangentMatrix<D> {
     /// Matrix of intact rock, not filled yet.
-    pub fn new(solid: &SolidModel<D>) -> Self {
+    pub fn new(solid: &SolidModel<D>, settings: &DescentSettings) -> Self {
         let tangents = solid
             .elastic
             .lame
@@ -74,7 +71,8 @@ impl<const D: usize> TangentMatrix<D> {
             tangents: tangents.collect(),
             integrity: vec![1.0; solid.elastic.points()],
             drives: vec![Vector::zeros(); solid.elastic.around.families.bonds()],
-            kept: KEPT,
+            kept: settings.refill_threshold,
+            worn: settings.weak_refill_threshold,
             refilled: 0,
             stale: true,
         }
@@ -106,7 +104,7 @@ impl<const D: usize> TangentMatrix<D> {
             let distance = next[i].distance(&self.tangents[i], elastic.lame[i]);
             // What is nearly gone must not keep a stiffness many times its own.
             let weakest = next[i].shear.amin() / elastic.lame[i].mu;
-            distance > self.kept.min(STALE * weakest) || integrity.abs() > STALE
+            distance > self.kept.min(self.worn * weakest) || integrity.abs() > self.worn
         };
         let changed: Vec<bool> = (0..next.len()).into_par_iter().map(moved).collect();
         let count = changed.iter().filter(|changed| **changed).count();

@@ -2,33 +2,40 @@
 
 use perifrac_solvers::{CsrView, LinearSolver, SolveError};
 
-/// Iterations that renewing it costs, as measured with multigrid on 20 000 points.
-const COST: usize = 16;
-
 /// Iterations wasted since the preconditioner was renewed.
-#[derive(Default)]
-pub struct PreconditionerReuse {
+pub(crate) struct PreconditionerReuse {
+    /// Iterations that renewing it costs.
+    cost: usize,
     /// Iterations of the first solve after that; `None` if there was none yet.
     fresh: Option<usize>,
     wasted: usize,
 }
 
 impl PreconditionerReuse {
+    /// Nothing is known yet; renewing costs so many iterations.
+    pub fn new(cost: usize) -> Self {
+        PreconditionerReuse {
+            cost,
+            fresh: None,
+            wasted: 0,
+        }
+    }
+
     /// Solves `matrix · x = rhs` from rest to a relative residual of `tolerance`; gives the iterations.
-    /// What lags behind the matrix is renewed where that pays, and before a failure counts.
+    /// What lags behind a matrix that has `moved` is renewed where that pays, and before a failure counts.
     ///
     /// # Errors
     /// [`SolveError`] of a solve with what belongs to the matrix.
     pub fn solve(
         &mut self,
-        solver: &mut dyn LinearSolver,
-        matrix: CsrView<'_>,
+        (solver, matrix, moved): (&mut dyn LinearSolver, CsrView<'_>, bool),
         rhs: &[f64],
         x: &mut [f64],
         tolerance: f64,
     ) -> Result<usize, SolveError> {
         // A factor of another matrix is none of this one: direct solvers have nothing that may lag.
-        if !solver.is_direct() && self.may_lag() {
+        let lags = moved && solver.is_direct();
+        if !lags && self.may_lag() {
             x.fill(0.0);
             if let Ok(solved) = solver.solve_to(matrix, rhs, x, tolerance) {
                 self.took(solved.iterations);
@@ -45,11 +52,11 @@ impl PreconditionerReuse {
 
     /// The next solve renews.
     pub fn forget(&mut self) {
-        *self = PreconditionerReuse::default();
+        *self = PreconditionerReuse::new(self.cost);
     }
 
     fn may_lag(&self) -> bool {
-        self.fresh.is_some() && self.wasted < COST
+        self.fresh.is_some() && self.wasted < self.cost
     }
 
     fn took(&mut self, iterations: usize) {
@@ -118,7 +125,7 @@ mod tests {
     }
 
     /// Refreshes of nine solves.
-    fn refreshes(direct: bool, most: usize) -> u64 {
+    fn refreshes(direct: bool, most: usize, moved: bool) -> u64 {
         let mut solver = Lagging {
             direct,
             lag: 0,
@@ -126,9 +133,9 @@ mod tests {
             counters: SolverCounters::default(),
         };
         let matrix = CsrMatrix::zero((0, 0));
-        let mut reuse = PreconditionerReuse::default();
+        let mut reuse = PreconditionerReuse::new(16);
         for _ in 0..9 {
-            let solved = reuse.solve(&mut solver, matrix.view(), &[], &mut [], 1e-4);
+            let solved = reuse.solve((&mut solver, matrix.view(), moved), &[], &mut [], 1e-4);
             assert!(solved.is_ok());
         }
         solver.counters.refreshes
@@ -138,13 +145,18 @@ mod tests {
     /// preconditioner is renewed once 6 + 12 iterations are wasted, every third solve.
     #[test]
     fn it_is_renewed_once_the_waste_outweighs_it_and_always_for_direct_solvers() {
-        assert_eq!(refreshes(true, usize::MAX), 9);
-        assert_eq!(refreshes(false, usize::MAX), 3);
+        assert_eq!(refreshes(true, usize::MAX, true), 9);
+        assert_eq!(refreshes(false, usize::MAX, true), 3);
+        assert_eq!(
+            refreshes(true, usize::MAX, false),
+            1,
+            "the factor is of this matrix"
+        );
     }
 
     #[test]
     fn a_solve_that_fails_with_what_lags_behind_is_done_again_with_what_does_not() {
-        assert_eq!(refreshes(false, 0), 9);
-        assert_eq!(refreshes(false, 1), 5);
+        assert_eq!(refreshes(false, 0, true), 9);
+        assert_eq!(refreshes(false, 1, true), 5);
     }
 }

@@ -2,16 +2,12 @@
 
 use perifrac_solvers::{dot, norm2};
 
+use crate::plan::DescentSettings;
 use crate::schemes::accelerator::smallest;
 
-/// How far a pass may be carried on beyond its end, in passes: at first, where that has gone well, and by
-/// how much more each time.
-const LONGEST: f64 = 8.0;
-const FARTHEST: f64 = 1e4;
-const FARTHER: f64 = 4.0;
-
 /// Displacements from which passes started, m, and how far they went; the newest last.
-pub struct AndersonAcceleration {
+pub(crate) struct AndersonAcceleration {
+    settings: DescentSettings,
     /// Passes that are remembered.
     pub depth: usize,
     past: Vec<(Vec<f64>, Vec<f64>)>,
@@ -22,13 +18,14 @@ pub struct AndersonAcceleration {
 }
 
 impl AndersonAcceleration {
-    /// Remembers `depth` passes.
-    pub fn new(depth: usize) -> Self {
+    /// Remembers few passes at first.
+    pub fn new(settings: DescentSettings) -> Self {
         AndersonAcceleration {
-            depth,
+            depth: settings.anderson_depth,
+            settings,
             past: Vec::new(),
             extrapolation: 0.0,
-            reach: LONGEST,
+            reach: settings.extrapolation,
         }
     }
 
@@ -36,7 +33,7 @@ impl AndersonAcceleration {
     pub fn forget(&mut self) {
         self.past.clear();
         self.extrapolation = 0.0;
-        self.reach = LONGEST;
+        self.reach = self.settings.extrapolation;
     }
 
     /// Where to go on after a pass led from `start` to `end`; `None` before there are two of them.
@@ -44,7 +41,7 @@ impl AndersonAcceleration {
         let went = difference(end, &start);
         let size = norm2(&went);
         if self.past.last().is_some_and(|(_, last)| size > norm2(last)) {
-            self.reach = LONGEST;
+            self.reach = self.settings.extrapolation;
         }
         self.past.push((start, went));
         let spare = self.past.len().saturating_sub(self.depth);
@@ -59,7 +56,8 @@ impl AndersonAcceleration {
         let length = norm2(&on);
         let allowed = self.reach * size;
         let share = if length > allowed {
-            self.reach = (FARTHER * self.reach).min(FARTHEST);
+            self.reach = (self.settings.extrapolation_growth * self.reach)
+                .min(self.settings.most_extrapolation);
             allowed / length
         } else {
             1.0
@@ -79,7 +77,7 @@ impl AndersonAcceleration {
 
     /// The last pass again, as often as it has gone well.
     fn extrapolation(&mut self) -> Vec<f64> {
-        self.extrapolation = (2.0 * self.extrapolation).clamp(1.0, LONGEST);
+        self.extrapolation = (2.0 * self.extrapolation).clamp(1.0, self.settings.extrapolation);
         let last = self.past.last();
         last.map_or_else(Vec::new, |(_, went)| {
             went.iter().map(|w| self.extrapolation * w).collect()
@@ -111,7 +109,7 @@ mod tests {
     use super::*;
 
     fn passes(map: impl Fn(&[f64]) -> Vec<f64>, start: &[f64], count: usize) -> Vec<f64> {
-        let mut acceleration = AndersonAcceleration::new(4);
+        let mut acceleration = AndersonAcceleration::new(DescentSettings::default());
         let mut u = start.to_vec();
         for _ in 0..count {
             let end = map(&u);

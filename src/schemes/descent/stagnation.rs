@@ -5,14 +5,14 @@ const PROGRESS: f64 = 0.9;
 
 /// How long a residual has not fallen.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stagnation {
+pub(crate) struct Stagnation {
     least: f64,
     stuck: usize,
 }
 
 impl Stagnation {
     /// Nothing seen yet.
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Stagnation {
             least: f64::INFINITY,
             stuck: 0,
@@ -20,7 +20,7 @@ impl Stagnation {
     }
 
     /// Takes in the residual of an iteration; gives how many there were since the last progress.
-    pub(super) fn note(&mut self, residual: f64) -> usize {
+    pub(crate) fn note(&mut self, residual: f64) -> usize {
         self.stuck += 1;
         if residual <= PROGRESS * self.least {
             (self.least, self.stuck) = (residual, 0);
@@ -29,7 +29,7 @@ impl Stagnation {
     }
 
     /// Progress of another kind.
-    pub(super) fn forgive(&mut self) {
+    pub(crate) fn forgive(&mut self) {
         self.stuck = 0;
     }
 }

@@ -1,18 +1,12 @@
 //! Which tangent to try.
 
 use crate::material::TangentKind;
-use crate::plan::DamageMethod;
-
-/// Forces out of balance, relative to all forces, from which Newton's tangent is tried.
-const NEAR: f64 = 3e-2;
-/// Share of a Newton step below which it has failed.
-const SHORTEST: f64 = 0.05;
-/// Iterations without it after it failed.
-const REST: usize = 4;
+use crate::plan::{DamageMethod, DescentSettings};
 
 /// Tries Newton's tangent near balance, and leaves it for a while where it failed.
-pub struct TangentPolicy {
+pub(crate) struct TangentPolicy {
     method: DamageMethod,
+    settings: DescentSettings,
     /// Iterations left for which it is not tried.
     pub rest: usize,
     /// How often it failed.
@@ -21,9 +15,10 @@ pub struct TangentPolicy {
 
 impl TangentPolicy {
     /// As the method asks.
-    pub fn new(method: DamageMethod) -> Self {
+    pub fn new(method: DamageMethod, settings: DescentSettings) -> Self {
         TangentPolicy {
             method,
+            settings,
             rest: 0,
             failures: 0,
         }
@@ -35,7 +30,9 @@ impl TangentPolicy {
         match self.method {
             DamageMethod::Alternate => TangentKind::Secant,
             DamageMethod::Newton if self.rest == 0 => TangentKind::Consistent,
-            DamageMethod::Auto if self.rest == 0 && imbalance < NEAR => TangentKind::Consistent,
+            DamageMethod::Auto if self.rest == 0 && imbalance < self.settings.near_balance => {
+                TangentKind::Consistent
+            }
             _ => TangentKind::Bounded,
         }
     }
@@ -43,7 +40,9 @@ impl TangentPolicy {
     /// Judges a direction by how far it led down; `None` if it did not.
     pub fn judge(&mut self, tried: TangentKind, length: Option<f64>) {
         // An indefinite tangent may lead down by next to nothing for ever.
-        if tried == TangentKind::Consistent && length.is_none_or(|length| length < SHORTEST) {
+        if tried == TangentKind::Consistent
+            && length.is_none_or(|length| length < self.settings.least_newton_step)
+        {
             self.failed();
         }
     }
@@ -51,7 +50,7 @@ impl TangentPolicy {
     /// Newton's tangent led nowhere.
     pub fn failed(&mut self) {
         self.failures += 1;
-        self.rest = REST;
+        self.rest = self.settings.newton_rest;
     }
 }
 
@@ -61,7 +60,8 @@ mod tests {
 
     #[test]
     fn newton_is_tried_near_balance_and_rests_after_a_failure() {
-        let mut policy = TangentPolicy::new(DamageMethod::Auto);
+        let settings = DescentSettings::default();
+        let mut policy = TangentPolicy::new(DamageMethod::Auto, settings);
         assert_eq!(policy.next(1.0), TangentKind::Bounded);
         assert_eq!(policy.next(1e-3), TangentKind::Consistent);
         policy.failed();
@@ -70,12 +70,12 @@ mod tests {
         policy.judge(TangentKind::Consistent, Some(0.3));
         assert_eq!(policy.next(1e-3), TangentKind::Consistent);
         policy.judge(TangentKind::Consistent, Some(1e-9));
-        for _ in 1..REST {
+        for _ in 1..settings.newton_rest {
             assert_eq!(policy.next(1e-3), TangentKind::Bounded);
         }
         assert_eq!(policy.next(1e-3), TangentKind::Consistent);
         assert_eq!(
-            TangentPolicy::new(DamageMethod::Alternate).next(1e-3),
+            TangentPolicy::new(DamageMethod::Alternate, settings).next(1e-3),
             TangentKind::Secant
         );
     }
