@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::{OutputError, write_atomically};
 
 /// Version of the layout.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 const MAGIC: &str = "perifrac checkpoint";
 const START: &str = "checkpoint-";
 const ENDING: &str = "pfc";

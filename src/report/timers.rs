@@ -25,10 +25,10 @@ struct Clock {
 }
 
 impl Clock {
-    fn add(&mut self, phase: &'static str, seconds: f64) {
+    fn add(&mut self, phase: Cow<'static, str>, seconds: f64) {
         match self.phases.iter_mut().find(|(name, _)| *name == phase) {
             Some((_, total)) => *total += seconds,
-            None => self.phases.push((phase.into(), seconds)),
+            None => self.phases.push((phase, seconds)),
         }
     }
 }
@@ -58,10 +58,10 @@ impl Timers {
         let mut clock = self.clock();
         let ended = clock.running.take();
         if let Some((phase, since)) = ended {
-            clock.add(phase, now.duration_since(since).as_secs_f64());
+            clock.add(phase.into(), now.duration_since(since).as_secs_f64());
         }
         if let Some(phase) = next {
-            clock.add(phase, 0.0);
+            clock.add(phase.into(), 0.0);
             clock.running = Some((phase, now));
         }
         ended.map(|(phase, _)| phase)
@@ -70,6 +70,24 @@ impl Timers {
     /// A phase that panicked leaves times that are still good.
     fn clock(&self) -> MutexGuard<'_, Clock> {
         self.clock.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds seconds per phase that earlier parts of a run have spent.
+    pub fn add(&self, before: &BTreeMap<String, f64>) {
+        let mut clock = self.clock();
+        for (phase, seconds) in before {
+            clock.add(phase.clone().into(), *seconds);
+        }
+    }
+
+    /// Seconds per phase, that of the running one up to now.
+    pub fn phases(&self) -> BTreeMap<String, f64> {
+        let running = self.switch(None);
+        self.switch(running);
+        let phases = self.iter();
+        phases
+            .map(|(name, seconds)| (name.into_owned(), seconds))
+            .collect()
     }
 
     /// Seconds of a phase; zero if it never ran.
@@ -117,6 +135,15 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
+
+    #[test]
+    fn a_run_that_goes_on_counts_what_it_spent_before() {
+        let spent = |text: &str| serde_json::from_str::<Timers>(text).unwrap();
+        let now = spent(r#"{"steps": 1.5, "output": 0.25}"#);
+        now.add(&spent(r#"{"families": 3.0, "steps": 2.0}"#).phases());
+        let all = ["steps", "output", "families"].map(|phase| now.seconds(phase));
+        assert_eq!(all.map(f64::to_bits), [3.5, 0.25, 3.0].map(f64::to_bits));
+    }
 
     #[test]
     fn an_inner_phase_takes_its_time_from_the_outer_one_and_all_add_up() {

@@ -64,6 +64,8 @@ pub(super) struct Course {
     pub refills: u64,
     pub warnings: Vec<String>,
     pub wall_s: f64,
+    /// Seconds per phase.
+    pub timers: BTreeMap<String, f64>,
 }
 
 impl Course {

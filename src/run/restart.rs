@@ -76,6 +76,7 @@ impl<const D: usize> Run<'_, D> {
         (self.drawn, self.pressed) = (course.drawn, course.pressed);
         self.unsettled = course.unsettled;
         self.warnings.clone_from(&course.warnings);
+        self.timers.add(&course.timers);
         self.before = Before {
             effort: course.effort.clone(),
             evaluations: course.evaluations.clone(),
@@ -139,6 +140,7 @@ impl<const D: usize> Run<'_, D> {
                 refills: self.all_refills(),
                 warnings: self.warnings.clone(),
                 wall_s: self.wall(),
+                timers: self.timers.phases(),
             },
         })
     }

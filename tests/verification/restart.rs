@@ -35,7 +35,7 @@ const CASES: &[(&str, &[&str])] = &[
         &["geometry.points=[16, 16]", "scheme.name=explicit"],
     ),
     ("two-layer", &["geometry.points=[40, 5]"]),
-    ("reservoir-3d", &[]),
+    ("reservoir-3d", &["geometry.points=[15, 15, 6]"]),
     ("terzaghi", &["geometry.spacing=0.25"]),
     (
         "terzaghi",
@@ -64,12 +64,15 @@ const CASES: &[(&str, &[&str])] = &[
             "solver.name=fgmres:preconditioner=schur",
         ],
     ),
-    ("terzaghi-graded", &["time.end=0.1 s"]),
-    ("column-3d", &["time.end=5 s"]),
+    (
+        "terzaghi-graded",
+        &["geometry.spacing=0.2", "time.end=0.1 s"],
+    ),
+    ("column-3d", &["geometry.spacing=0.2", "time.end=2 s"]),
     ("mandel", &[]),
-    ("sneddon", &[]),
+    ("sneddon", &["geometry.spacing=0.02"]),
     ("manufactured", &[]),
-    ("notched-tension/smoke", &[]),
+    ("notched-tension/smoke", &["geometry.points=[20, 20]"]),
     ("kgd-viscosity/smoke", &["time.end=0.1 s"]),
     (
         "notched-tension/paper",
@@ -89,7 +92,7 @@ const CASES: &[(&str, &[&str])] = &[
     ),
     (
         "pressurised-notch/smoke",
-        &["time.end=460 s", "output.times=[]"],
+        &["time.end=440 s", "output.times=[]"],
     ),
     (
         "natural-fractures/smoke",
