@@ -61,11 +61,8 @@ pub struct DescentSettings {
     pub anderson_depth: usize,
     /// The same where the pressure has modes of its own, which the compliance fits more or less.
     pub compliant_anderson_depth: usize,
-    /// How far a pass may be carried on beyond its end, in passes: at first, where that has gone well, and by how
-    /// much more each time.
+    /// How far a pass may be carried on beyond its end, in passes, and by how much more each time that has gone well.
     pub extrapolation: f64,
-    /// See `extrapolation`.
-    pub most_extrapolation: f64,
     /// See `extrapolation`.
     pub extrapolation_growth: f64,
     /// Share of the tolerance at which forces are as balanced as they get, so that the pressure alone moves on.
@@ -122,7 +119,6 @@ impl Default for DescentSettings {
             anderson_depth: 4,
             compliant_anderson_depth: 16,
             extrapolation: 8.0,
-            most_extrapolation: 1e4,
             extrapolation_growth: 4.0,
             force_floor: 1e-3,
             sufficient_reduction: 0.9,

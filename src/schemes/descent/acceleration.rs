@@ -56,8 +56,7 @@ impl AndersonAcceleration {
         let length = norm2(&on);
         let allowed = self.reach * size;
         let share = if length > allowed {
-            self.reach = (self.settings.extrapolation_growth * self.reach)
-                .min(self.settings.most_extrapolation);
+            self.reach *= self.settings.extrapolation_growth;
             allowed / length
         } else {
             1.0
