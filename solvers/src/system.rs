@@ -98,16 +98,27 @@ impl System {
     /// Checks new values and takes their diagonal. The caller then calls [`Self::set_ready`].
     pub(crate) fn refresh(&mut self, matrix: CsrView<'_>) -> Result<(), SolveError> {
         self.ready = false;
-        self.distinct_rows = None;
+        let former = self.distinct_rows.take();
         let Some(expected) = self.pattern else {
             return self.missing("analyse");
         };
-        let values = || matrix::check_rows(matrix, |row| self.share.owns(row));
-        let checked = interrupt::check()
-            .and_then(|()| same_pattern(matrix, expected))
-            .and_then(|()| values());
+        let checked = interrupt::check().and_then(|()| same_pattern(matrix, expected));
+        let same = former.filter(|_| checked.is_ok());
+        self.distinct_rows = same.and_then(|mut rows| rows.refill(matrix).then_some(rows));
+        // Of rows that are the same the first tells for all.
+        let matters = |row| {
+            let first = self
+                .distinct_rows
+                .as_ref()
+                .is_none_or(|own| own.is_first(row));
+            first && self.share.owns(row)
+        };
+        let checked = checked.and_then(|()| matrix::check_rows(matrix, matters));
         self.share.agree(checked)?;
-        self.diagonal = matrix::diagonal(matrix);
+        self.diagonal = match &self.distinct_rows {
+            Some(rows) => rows.diagonal(),
+            None => matrix::diagonal(matrix),
+        };
         let invert = |value: &f64| if value.abs() > 0.0 { 1.0 / value } else { 1.0 };
         self.inverse_diagonal = self.diagonal.iter().map(invert).collect();
         Ok(())
@@ -116,7 +127,7 @@ impl System {
     /// Keeps the distinct rows of a matrix on a lattice for residuals: for backends that are asked to solve with the
     /// refreshed matrix only.
     pub(crate) fn keep_distinct_rows(&mut self, matrix: CsrView<'_>) {
-        if self.lattice {
+        if self.lattice && self.distinct_rows.is_none() {
             self.distinct_rows = RepeatedRows::of(matrix);
         }
     }

@@ -1,6 +1,7 @@
 //! Points of a uniform lattice far from all sides have the same rows, each shifted to its place.
 
 use super::Pattern;
+use crate::geometry::Lattice;
 
 /// Which points have the rows of which others.
 #[derive(Debug, Clone)]
@@ -13,19 +14,8 @@ impl Repetition {
     /// Points of a lattice of `counts` points along the axes, the first axis fastest, where rows of points with
     /// `margin` points and more to both sides do not feel these. Along each axis all such points are alike.
     pub fn new<const D: usize>(counts: [usize; D], margin: [usize; D]) -> Self {
-        let first = |mut point: usize| {
-            let (mut first, mut stride) = (0, 1);
-            for axis in 0..D {
-                let place = point % counts[axis];
-                let inside = place >= margin[axis] && place + margin[axis] < counts[axis];
-                first += stride * if inside { margin[axis] } else { place };
-                point /= counts[axis];
-                stride *= counts[axis];
-            }
-            first as u32
-        };
         Repetition {
-            first: (0..counts.iter().product()).map(first).collect(),
+            first: Lattice::alike(counts, margin),
         }
     }
 

@@ -1,10 +1,13 @@
 //! Families: the bonds of every point, and their transpose, the dual families.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use super::cell_list::CellList;
 use super::near::Near;
-use super::{Cloud, Cutter, GeometryError, ImageTable, Subdomain, Vector};
+use super::transpose::Dual;
+use super::{Cloud, Cutter, GeometryError, ImageTable, Lattice, Subdomain, Vector};
 use perifrac_solvers::Partition;
 
 /// The cloud together with its mirror images within reach, ready for radius searches.
@@ -79,9 +82,8 @@ pub struct Families<const D: usize> {
     offset: Vec<u32>,
     neighbour: Vec<u32>,
     image: Vec<u8>,
-    dual_offset: Vec<u32>,
-    dual_bond: Vec<u32>,
-    dual_owner: Vec<u32>,
+    /// Made when it is first asked for: families that only tell who touches whom need none.
+    dual: OnceLock<Dual>,
 }
 
 /// A bond that was there before a crack.
@@ -98,6 +100,8 @@ pub struct Severed {
 }
 
 const CHUNK: usize = 1024;
+/// Difference of horizons, relative to them, that is rounding.
+const SAME: f64 = 1e-12;
 
 /// Family sizes of a range of points, and their bonds as pairs of neighbour and image number.
 type Chunk = (Vec<u32>, Vec<(u32, u8)>);
@@ -109,6 +113,27 @@ impl<const D: usize> Families<D> {
     /// [`GeometryError::TooManyImages`] for a domain too thin for the horizon;
     /// [`GeometryError::TooLarge`] beyond 32-bit indices.
     pub fn search(cloud: &Cloud<D>, horizon: Vec<f64>) -> Result<Self, GeometryError> {
+        let radius = horizon.first().copied().unwrap_or(0.0);
+        let same = |own: &f64| (own - radius).abs() <= SAME * radius;
+        let lattice = horizon
+            .iter()
+            .all(same)
+            .then(|| Lattice::of(cloud))
+            .flatten();
+        if let Some(lattice) = lattice {
+            let reach = horizon.iter().copied().fold(0.0, f64::max);
+            let images = ImageTable::new(&cloud.domain, reach)?;
+            if let Some(known) = lattice.families(radius, &images) {
+                return Self::of(horizon, images, Subdomain::WHOLE, |point, bonds| {
+                    known.add(point, bonds);
+                });
+            }
+        }
+        Self::by_search(cloud, horizon)
+    }
+
+    /// As [`Families::search`], whatever the points are.
+    pub(super) fn by_search(cloud: &Cloud<D>, horizon: Vec<f64>) -> Result<Self, GeometryError> {
         Self::search_share(cloud, horizon, None, &[])
     }
 
@@ -153,7 +178,7 @@ impl<const D: usize> Families<D> {
         Self::from_chunks(horizon, images, share, chunks)
     }
 
-    /// Families whose bonds (neighbour, image number) are known without a search; `family` gives them
+    /// Families whose bonds (neighbour, image number) are known without a search; `family` adds them
     /// sorted, and is asked for points that are held.
     ///
     /// # Errors
@@ -162,17 +187,20 @@ impl<const D: usize> Families<D> {
         horizon: Vec<f64>,
         images: ImageTable<D>,
         share: Subdomain,
-        family: impl Fn(usize) -> Vec<(u32, u8)> + Sync,
+        family: impl Fn(usize, &mut Vec<(u32, u8)>) + Sync,
     ) -> Result<Self, GeometryError> {
-        let held = |point: usize| match share.holds(point) {
-            true => family(point),
-            false => Vec::new(),
-        };
         let chunk = |chunk: usize| {
             let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(horizon.len());
-            let families: Vec<Vec<(u32, u8)>> = points.map(held).collect();
-            let counts = families.iter().map(|bonds| bonds.len() as u32).collect();
-            (counts, families.concat())
+            let mut counts = Vec::with_capacity(points.len());
+            let mut bonds = Vec::with_capacity(24 * points.len());
+            for point in points {
+                let before = bonds.len();
+                if share.holds(point) {
+                    family(point, &mut bonds);
+                }
+                counts.push((bonds.len() - before) as u32);
+            }
+            (counts, bonds)
         };
         let chunks = (0..horizon.len().div_ceil(CHUNK)).into_par_iter();
         let chunks: Vec<Chunk> = chunks.map(chunk).collect();
@@ -205,7 +233,6 @@ impl<const D: usize> Families<D> {
             neighbour.extend(chunk.iter().map(|&(j, _)| j));
             image.extend(chunk.iter().map(|&(_, number)| number));
         }
-        let (dual_offset, dual_bond, dual_owner) = transpose(&offset, &neighbour);
         Ok(Families {
             horizon,
             images,
@@ -214,9 +241,7 @@ impl<const D: usize> Families<D> {
             offset,
             neighbour,
             image,
-            dual_offset,
-            dual_bond,
-            dual_owner,
+            dual: OnceLock::new(),
         })
     }
 
@@ -288,6 +313,18 @@ impl<const D: usize> Families<D> {
             bonds.extend(kept.map(|bond| (self.neighbour[bond], self.image[bond])));
             counts.push((bonds.len() - before) as u32);
         }
+        self.with_bonds(counts, bonds)
+    }
+
+    /// The same families with these bonds (neighbour, image number) alone, so many of each family.
+    ///
+    /// # Errors
+    /// As [`Families::search`].
+    pub fn with_bonds(
+        &self,
+        counts: Vec<u32>,
+        bonds: Vec<(u32, u8)>,
+    ) -> Result<Self, GeometryError> {
         Self::from_chunks(
             self.horizon.clone(),
             self.images.clone(),
@@ -312,6 +349,7 @@ impl<const D: usize> Families<D> {
     }
 
     /// Bond numbers of the family of `point`.
+    #[inline]
     pub fn family(&self, point: usize) -> std::ops::Range<usize> {
         self.offset[point] as usize..self.offset[point + 1] as usize
     }
@@ -323,26 +361,38 @@ impl<const D: usize> Families<D> {
 
     /// Start of every dual family, shape `(n + 1,)`.
     pub fn dual_offsets(&self) -> &[u32] {
-        &self.dual_offset
+        &self.transposed().offset
+    }
+
+    #[inline]
+    fn transposed(&self) -> &Dual {
+        let make = || Dual::of(&self.offset, &self.neighbour);
+        self.dual.get_or_init(make)
     }
 
     /// Real neighbour at the end of a bond.
+    #[inline]
     pub fn neighbour(&self, bond: usize) -> usize {
         self.neighbour[bond] as usize
     }
 
     /// Image number at the end of a bond; 0 is the neighbour itself.
+    #[inline]
     pub fn image(&self, bond: usize) -> u8 {
         self.image[bond]
     }
 
     /// Dual family of `point`: pairs (owner, bond) of all bonds that end at it.
+    #[inline]
     pub fn dual(&self, point: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let range = self.dual_offset[point] as usize..self.dual_offset[point + 1] as usize;
-        range.map(|k| (self.dual_owner[k] as usize, self.dual_bond[k] as usize))
+        let dual = self.transposed();
+        let range = dual.offset[point] as usize..dual.offset[point + 1] as usize;
+        let pairs = dual.owner[range.clone()].iter().zip(&dual.bond[range]);
+        pairs.map(|(owner, bond)| (*owner as usize, *bond as usize))
     }
 
     /// Bond vector ξ = x_j − x_i in metres, to the image where the bond ends at one.
+    #[inline]
     pub fn bond_vector(&self, cloud: &Cloud<D>, owner: usize, bond: usize) -> Vector<D> {
         let end = &cloud.position[self.neighbour(bond)];
         self.images.get(self.image[bond]).place(end) - cloud.position[owner]
@@ -350,7 +400,7 @@ impl<const D: usize> Families<D> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let words = self.offset.len() + self.neighbour.len() + 3 * self.dual_bond.len();
+        let words = self.offset.len() + 4 * self.neighbour.len();
         let severed = size_of::<Severed>() * self.severed.as_ref().map_or(0, Vec::len);
         severed + 4 * words + self.image.len() + 8 * self.horizon.len() + self.share.bytes()
     }
@@ -408,28 +458,4 @@ fn family_chunk<const D: usize>(
         counts.push((bonds.len() - before) as u32);
     }
     (counts, bonds)
-}
-
-/// Dual lists: offsets, bonds and their owners, by the point at which bonds end.
-fn transpose(offset: &[u32], neighbour: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
-    let points = offset.len() - 1;
-    let mut start = vec![0_u32; points + 1];
-    for &j in neighbour {
-        start[j as usize + 1] += 1;
-    }
-    for point in 0..points {
-        start[point + 1] += start[point];
-    }
-    let mut cursor = start.clone();
-    let mut bonds = vec![0_u32; neighbour.len()];
-    let mut owners = vec![0_u32; neighbour.len()];
-    for owner in 0..points {
-        for bond in offset[owner]..offset[owner + 1] {
-            let slot = &mut cursor[neighbour[bond as usize] as usize];
-            bonds[*slot as usize] = bond;
-            owners[*slot as usize] = owner as u32;
-            *slot += 1;
-        }
-    }
-    (start, bonds, owners)
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::families::World;
 use super::near::Near;
-use super::{Cloud, GeometryError, ImageTable, Vector};
+use super::{Cloud, GeometryError, ImageTable, Lattice, Vector};
 use perifrac_solvers::Partition;
 
 /// Rule that gives every point its horizon δ.
@@ -79,6 +79,12 @@ fn nearest_distances<const D: usize>(
         2 => (2.0 * (neighbours + 1) as f64 / std::f64::consts::PI).sqrt(),
         _ => (1.5 * (neighbours + 1) as f64 / std::f64::consts::PI).cbrt(),
     };
+    if let (None, Some(lattice)) = (mask, Lattice::of(cloud)) {
+        let distance = lattice.nearest_distance(neighbours, wide * cloud.spacing(0));
+        if let Some(distance) = distance {
+            return Ok(vec![distance * SLACK; cloud.len()]);
+        }
+    }
     let wanted = |point: &usize| mask.is_none_or(|mask| mask[*point]);
     let first: Vec<f64> = (0..cloud.len()).map(|i| wide * cloud.spacing(i)).collect();
     let widest = first.iter().copied().fold(0.0, f64::max);

@@ -36,6 +36,7 @@ impl<const D: usize> Image<D> {
     }
 
     /// Place of this image of a point at `x`, in metres.
+    #[inline]
     pub fn place(&self, x: &Vector<D>) -> Vector<D> {
         x.component_mul(&self.scale) + self.shift
     }
@@ -112,6 +113,7 @@ impl<const D: usize> ImageTable<D> {
     }
 
     /// The image with the given number.
+    #[inline]
     pub fn get(&self, number: u8) -> &Image<D> {
         &self.images[usize::from(number)]
     }

@@ -182,19 +182,18 @@ fn path<const D: usize>(
         return Err(ModelError::PathWithoutCells);
     }
     // Values between points, wells and the stabilising storage see as far as the horizon that was asked for.
-    let within = |point: usize| {
-        let seen = |bond: &usize| families.bond_vector(cloud, point, *bond).norm();
-        let family = families.family(point);
-        family
-            .filter(|bond| seen(bond) <= families.horizon[point])
-            .count()
+    let near = |point: usize, bond: usize| {
+        families.bond_vector(cloud, point, bond).norm() <= families.horizon[point]
     };
-    let lonely = |point: &usize| families.share.holds(*point) && within(*point) == 0;
+    let lonely = |point: &usize| {
+        let mut family = families.family(*point);
+        families.share.holds(*point) && !family.any(|bond| near(*point, bond))
+    };
     if let Some(point) = (0..cloud.len()).find(lonely) {
         return Err(ModelError::Geometry(GeometryError::SingularShape {
             point,
             position: cloud.position[point].iter().copied().collect(),
-            found: within(point),
+            found: 0,
             horizon: families.horizon[point],
         }));
     }

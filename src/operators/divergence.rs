@@ -56,17 +56,17 @@ impl Divergence {
         result: &mut [f64],
     ) {
         let families = &elastic.around.families;
-        let weight = &elastic.gradient.weight;
+        let (weight, sums) = (&elastic.gradient.weight, elastic.weight_sums());
+        let pairs = self.weight.iter().zip(pressure);
+        let push: Vec<f64> = pairs.map(|(weight, pressure)| weight * pressure).collect();
         result
             .par_chunks_mut(D)
             .enumerate()
             .with_min_len(256)
             .for_each(|(point, result)| {
-                let own: Vector<D> = families.family(point).map(|bond| weight[bond]).sum();
-                let mut total = own * (-self.weight[point] * pressure[point]);
+                let mut total = sums[point] * -push[point];
                 for (owner, bond) in families.dual(point) {
-                    let push = self.weight[owner] * pressure[owner];
-                    total += elastic.signs(bond).component_mul(&weight[bond]) * push;
+                    total += elastic.signed(bond, weight[bond]) * push[owner];
                 }
                 (0..D).for_each(|axis| result[axis] += total[axis]);
             });

@@ -9,7 +9,7 @@
 //! the plain gradient. Adding up the families gives a symmetric matrix (Eq. 2). Families in which moduli vary
 //! have the energy of [`Laminate`] instead.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -33,6 +33,8 @@ pub struct Elastic<const D: usize> {
     /// h per point, N/m⁴ in 3-D.
     hourglass: Vec<f64>,
     laminate: Option<Laminate<D>>,
+    /// Sums of the weights of every family, 1/m; made when they are first asked for.
+    sums: OnceLock<Vec<Vector<D>>>,
 }
 
 impl<const D: usize> Elastic<D> {
@@ -56,6 +58,7 @@ impl<const D: usize> Elastic<D> {
             lame,
             plain,
             laminate: None,
+            sums: OnceLock::new(),
         }
     }
 
@@ -121,12 +124,14 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Signs with which the components of the displacement of a bond's end enter its difference.
+    #[inline]
     pub fn signs(&self, bond: usize) -> Vector<D> {
         let image = self.around.families.image(bond);
         Vector::from_fn(|axis, _| self.extension[axis].sign(image))
     }
 
     /// A vector at the end of a bond with the signs of its image.
+    #[inline]
     pub(super) fn signed(&self, bond: usize, vector: Vector<D>) -> Vector<D> {
         match self.around.families.image(bond) {
             0 => vector,
@@ -140,6 +145,7 @@ impl<const D: usize> Elastic<D> {
     }
 
     /// Bond difference of a displacement field of shape `(n·D,)`, fixed walls at rest, m.
+    #[inline]
     pub fn difference(&self, displacement: &[f64], owner: usize, bond: usize) -> Vector<D> {
         let end = self.around.families.neighbour(bond);
         let (from, to) = (
@@ -147,6 +153,19 @@ impl<const D: usize> Elastic<D> {
             point_value(displacement, end),
         );
         self.signed(bond, to) - from
+    }
+
+    /// Sum of the weights of the strain of every family, shape `(n,)`, 1/m: what a point takes off the gradient at itself.
+    pub(super) fn weight_sums(&self) -> &[Vector<D>] {
+        let families = &self.around.families;
+        let sum = |point| {
+            families
+                .family(point)
+                .map(|bond| self.gradient.weight[bond])
+                .sum()
+        };
+        let all = || (0..self.points()).map(sum).collect();
+        self.sums.get_or_init(all)
     }
 
     /// Displacement gradient of a point from its bond differences; rows are components.
@@ -296,11 +315,13 @@ impl<const D: usize> Elastic<D> {
     pub fn bytes(&self) -> usize {
         let gradients = if self.has_plain_gradient() { 1 } else { 2 } * self.plain.bytes();
         let layers = self.laminate.as_ref().map_or(0, Laminate::bytes);
-        gradients + layers + 8 * self.hourglass.len() + size_of::<Lame>() * self.lame.len()
+        let sums = self.sums.get().map_or(0, |sums| 8 * D * sums.len());
+        sums + gradients + layers + 8 * self.hourglass.len() + size_of::<Lame>() * self.lame.len()
     }
 }
 
 /// Components of a point in a field of shape `(n·D,)`.
+#[inline]
 pub fn point_value<const D: usize>(field: &[f64], point: usize) -> Vector<D> {
     Vector::from_fn(|axis, _| field[point * D + axis])
 }

@@ -68,6 +68,7 @@ impl<const D: usize> MirrorContinuation<D> {
     }
 
     /// +1 or −1.
+    #[inline]
     pub fn sign(&self, image: u8) -> f64 {
         self.sign[usize::from(image)]
     }

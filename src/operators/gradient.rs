@@ -5,6 +5,7 @@ use rayon::prelude::*;
 #[cfg(test)]
 use super::MirrorContinuation;
 use super::Neighbourhood;
+use super::neighbourhood::of_bonds;
 use crate::geometry::Vector;
 
 /// Weights of the gradient: (∇̃f)_i = Σ_b weight_b · (bond difference of f)_b.
@@ -17,15 +18,10 @@ pub struct Gradient<const D: usize> {
 impl<const D: usize> Gradient<D> {
     /// The plain weights ω V_j K⁻¹ ξ.
     pub fn plain(around: &Neighbourhood<D>) -> Self {
-        let weight = (0..around.len())
-            .into_par_iter()
-            .flat_map_iter(|owner| {
-                around
-                    .families
-                    .family(owner)
-                    .map(move |bond| plain_weight(around, owner, bond))
-            })
-            .collect();
+        let alike = around.families.alike(&around.cloud);
+        let weight = of_bonds(&around.families, alike.as_deref(), |owner, bond| {
+            plain_weight(around, owner, bond)
+        });
         Gradient { weight }
     }
 

@@ -58,14 +58,21 @@ impl<const D: usize> Neighbourhood<D> {
             let horizon = families.horizon[owner];
             influence.weight(distance, horizon) * cloud.volume[families.neighbour(bond)]
         };
-        let measure: Vec<f64> = (0..families.len())
-            .into_par_iter()
-            .flat_map_iter(|owner| families.family(owner).map(move |bond| weigh(owner, bond)))
-            .collect();
+        let alike = families.alike(&cloud);
+        let measure = of_bonds(&families, alike.as_deref(), weigh);
         let shape = |owner: usize| invert(&cloud, &families, owner, &measure);
-        let shapes: Vec<(Matrix<D>, f64)> =
-            (0..families.len()).into_par_iter().map(shape).collect();
-        let (inverse_shape, moment) = shapes.into_iter().unzip();
+        let (inverse_shape, moment) = match &alike {
+            Some(alike) => {
+                let all = of_first(alike, shape);
+                let own = alike.iter().filter_map(|owner| all[*owner as usize]);
+                own.unzip()
+            }
+            None => {
+                let shapes = (0..families.len()).into_par_iter().map(shape);
+                let shapes: Vec<(Matrix<D>, f64)> = shapes.collect();
+                shapes.into_iter().unzip()
+            }
+        };
         Neighbourhood {
             cloud,
             families,
@@ -106,6 +113,36 @@ impl<const D: usize> Neighbourhood<D> {
     pub fn bytes(&self) -> usize {
         self.families.bytes() + 8 * (self.measure.len() + self.moment.len() * (1 + D * D))
     }
+}
+
+/// Values of all bonds, shape `(bonds,)`. Those of points that are like others are copied, so that they agree to the last
+/// bit; computed from positions they would not, and rows of matrices would not repeat.
+pub(super) fn of_bonds<const D: usize, T: Copy + Send + Sync>(
+    families: &Families<D>,
+    alike: Option<&[u32]>,
+    value: impl Fn(usize, usize) -> T + Sync,
+) -> Vec<T> {
+    let value = &value;
+    let family = |owner: usize| families.family(owner).map(move |bond| value(owner, bond));
+    let Some(alike) = alike else {
+        let owners = (0..families.len()).into_par_iter();
+        return owners.flat_map_iter(family).collect();
+    };
+    let all = of_first(alike, |owner| family(owner).collect::<Vec<T>>());
+    let mut values = Vec::with_capacity(families.bonds());
+    for own in alike
+        .iter()
+        .filter_map(|first| all[*first as usize].as_ref())
+    {
+        values.extend_from_slice(own);
+    }
+    values
+}
+
+/// What every point that is the first of those like it has, shape `(n,)`.
+fn of_first<T>(alike: &[u32], value: impl Fn(usize) -> T) -> Vec<Option<T>> {
+    let own = |(point, first): (usize, &u32)| (*first as usize == point).then(|| value(point));
+    alike.iter().enumerate().map(own).collect()
 }
 
 fn shape_tensor<const D: usize>(

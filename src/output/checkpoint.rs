@@ -10,6 +10,7 @@
 //! the serde crate of that name, holds every number with all its bits and next to nothing else, so a checkpoint
 //! is as large as the fields that it holds.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::Crc;
@@ -120,8 +121,18 @@ pub fn checksum(bytes: &[u8]) -> u32 {
 
 /// Checksum of the program that runs; 0 if it cannot be read.
 pub fn build() -> u32 {
-    let program = std::env::current_exe().and_then(std::fs::read);
-    program.map_or(0, |bytes| checksum(&bytes))
+    // In parts: memory for the whole program takes longer than its checksum.
+    let sum = || -> std::io::Result<u32> {
+        let mut program = std::fs::File::open(std::env::current_exe()?)?;
+        let (mut crc, mut part) = (Crc::new(), vec![0; 1 << 16]);
+        loop {
+            match program.read(&mut part)? {
+                0 => return Ok(crc.sum()),
+                length => crc.update(&part[..length]),
+            }
+        }
+    };
+    sum().unwrap_or(0)
 }
 
 /// Checkpoint of a number of steps in the folder of a run.

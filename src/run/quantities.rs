@@ -143,6 +143,11 @@ impl Quantity {
         }
     }
 
+    /// Name of the field it is of.
+    pub(crate) fn field(&self) -> &'static str {
+        self.array
+    }
+
     /// Its values point by point; `None` where the scene does not name the field.
     pub(crate) fn of(&self, fields: &PointFields) -> Option<Vec<f64>> {
         let (components, values) = fields.arrays.get(self.array)?;
@@ -157,13 +162,15 @@ impl Quantity {
             return self.range;
         }
         let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-        values.sort_unstable_by(f64::total_cmp);
         let last = values.len().checked_sub(1)?;
         let cut = match self.array {
             "effective_stress" => (TAIL * last as f64) as usize,
             _ => 0,
         };
-        let ends = [values[cut], values[last - cut]];
+        let ends = [cut, last - cut].map(|place| {
+            let (_, found, _) = values.select_nth_unstable_by(place, f64::total_cmp);
+            *found
+        });
         let apart = ends[1] - ends[0];
         (apart > 1e-9 * ends[0].abs().max(ends[1].abs())).then_some(ends)
     }

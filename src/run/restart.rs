@@ -228,9 +228,16 @@ impl<const D: usize> Run<'_, D> {
         }
         self.show_end();
         let stopped = matches!(error, RunError::Interrupted { .. });
-        match stopped {
+        let error = match stopped {
             true => self.last_fields().err().unwrap_or(error),
             false => error,
+        };
+        match (&error, &mut self.writer) {
+            (RunError::Output(_), _) | (_, None) => error,
+            (_, Some(writer)) => {
+                let drawn = writer.draw_pending(self.plan, &self.model);
+                drawn.err().map_or(error, RunError::Output)
+            }
         }
     }
 }

@@ -51,6 +51,13 @@ impl Bands {
         &mut self.entries[row * (self.width + 1)..][..self.width + 1]
     }
 
+    /// Makes a row of the matrices that of another.
+    pub(super) fn copy_row(&mut self, from: usize, to: usize) {
+        let stride = self.width + 1;
+        let entries = from * stride..(from + 1) * stride;
+        self.entries.copy_within(entries, to * stride);
+    }
+
     fn rows(&self) -> usize {
         self.entries.len() / (self.width + 1)
     }

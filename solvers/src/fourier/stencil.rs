@@ -7,6 +7,7 @@
 //! reflections no row can tell from nearer ones, are taken to be 0.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use crate::CsrView;
 use crate::matrix::Rows;
@@ -28,10 +29,10 @@ pub(super) struct Term {
 
 /// The stencils of all rows of a line.
 pub(super) struct Stencil {
-    /// Terms of every row, one row after the other.
+    /// Terms of all rows that differ, one row after the other.
     terms: Vec<Term>,
-    /// Start of every row's terms, shape `(rows + 1,)`.
-    starts: Vec<usize>,
+    /// Which of them are those of every row, shape `(rows,)`.
+    ranges: Vec<Range<usize>>,
 }
 
 /// Farthest columns from their rows, in points along the lines and across.
@@ -84,12 +85,19 @@ impl Stencil {
     pub(super) fn read(layout: &Layout, reach: &Reach, matrix: CsrView<'_>) -> Self {
         let mut stencil = Stencil {
             terms: Vec::new(),
-            starts: vec![0],
+            ranges: Vec::with_capacity(layout.rows()),
         };
         let sizes = reach.across.map(|own| own + 1);
         let plane = sizes[0] * sizes[1];
         let mut entries = vec![0.0; (2 * reach.along + 1) * layout.unknowns * plane];
         for row in 0..layout.rows() {
+            if repeats(layout, matrix, row) {
+                stencil
+                    .ranges
+                    .push(stencil.ranges[row - layout.unknowns].clone());
+                continue;
+            }
+            let start = stencil.terms.len();
             entries.fill(0.0);
             gather(layout, reach, matrix, row, &mut entries);
             let unknown = row % layout.unknowns;
@@ -104,14 +112,19 @@ impl Stencil {
                     value: *value,
                 }));
             }
-            stencil.starts.push(stencil.terms.len());
+            stencil.ranges.push(start..stencil.terms.len());
         }
         stencil
     }
 
     /// Terms of a row of the line.
     pub(super) fn row(&self, row: usize) -> &[Term] {
-        &self.terms[self.starts[row]..self.starts[row + 1]]
+        &self.terms[self.ranges[row].clone()]
+    }
+
+    /// Whether two rows have the same terms because they are the same row of the matrix.
+    pub(super) fn is_same(&self, row: usize, other: usize) -> bool {
+        self.ranges[row] == self.ranges[other]
     }
 
     /// The first row of a matrix that is not what the stencil says by more than `tolerance` of its largest
@@ -202,6 +215,23 @@ fn reflect(
             inside => return (inside as usize, sign),
         }
     }
+}
+
+/// Whether the row at the upper edge is that of the point before on the line, one point further, to the last bit.
+fn repeats(layout: &Layout, matrix: CsrView<'_>, row: usize) -> bool {
+    let (along, unknown) = (row / layout.unknowns, row % layout.unknowns);
+    let Some(before) = along.checked_sub(1) else {
+        return false;
+    };
+    let (rows, edge) = (Rows::new(&matrix), edge(layout));
+    let at = |along: usize| rows.row(layout.point(along, edge) * layout.unknowns + unknown);
+    let ((columns, values), (others, theirs)) = (at(along), at(before));
+    let step = (layout.stride * layout.unknowns) as u32;
+    let mut entries = columns.iter().zip(others).zip(values.iter().zip(theirs));
+    columns.len() == others.len()
+        && entries.all(|((own, other), (value, their))| {
+            *own == *other + step && value.to_bits() == their.to_bits()
+        })
 }
 
 /// Adds the entries of the row at the upper edge to `entries`, by offsets along the line, unknowns and

@@ -86,26 +86,39 @@ impl<'a> Symbols<'a> {
         let group = self.group(group);
         let unknowns = self.layout.unknowns;
         for row in 0..self.layout.rows() {
-            let unknown = row % unknowns;
-            let entries = bands.row_mut(row);
-            entries[0] = group.there[unknown].map(|there| 1.0 - there);
-            for term in self.stencil.row(row) {
-                let before =
-                    -term.along * unknowns as isize + unknown as isize - term.unknown as isize;
-                // The other half follows by symmetry.
-                let Ok(before) = usize::try_from(before) else {
-                    continue;
-                };
-                let kinds = [0, 1].map(|number| self.kind(number, unknown, term.unknown));
-                let value = term.value * kinds[0].1 * kinds[1].1;
-                let first = &group.factors[0][kinds[0].0][term.across[0]];
-                let second = &group.factors[1][kinds[1].0][term.across[1]];
-                let (own, other) = (&group.there[unknown], &group.there[term.unknown]);
-                for lane in 0..WIDE {
-                    entries[before][lane] +=
-                        value * first[lane] * second[lane] * own[lane] * other[lane];
-                }
+            match row.checked_sub(unknowns) {
+                Some(other) if self.stencil.is_same(row, other) => bands.copy_row(other, row),
+                _ => self.fill_row(&group, row, bands.row_mut(row)),
             }
+        }
+    }
+
+    fn fill_row(&self, group: &Group, row: usize, entries: &mut [Numbers]) {
+        let unknowns = self.layout.unknowns;
+        let unknown = row % unknowns;
+        for term in self.stencil.row(row) {
+            let before = -term.along * unknowns as isize + unknown as isize - term.unknown as isize;
+            // The other half follows by symmetry.
+            let Ok(before) = usize::try_from(before) else {
+                continue;
+            };
+            let kinds = [0, 1].map(|number| self.kind(number, unknown, term.unknown));
+            let value = term.value * kinds[0].1 * kinds[1].1;
+            let first = &group.factors[0][kinds[0].0][term.across[0]];
+            let second = &group.factors[1][kinds[1].0][term.across[1]];
+            for lane in 0..WIDE {
+                entries[before][lane] += value * first[lane] * second[lane];
+            }
+        }
+        let own = &group.there[unknown];
+        for (before, entries) in entries.iter_mut().enumerate() {
+            let other = &group.there[(unknown + unknowns * before - before) % unknowns];
+            for lane in 0..WIDE {
+                entries[lane] *= own[lane] * other[lane];
+            }
+        }
+        for lane in 0..WIDE {
+            entries[0][lane] += 1.0 - own[lane];
         }
     }
 

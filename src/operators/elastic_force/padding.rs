@@ -3,7 +3,7 @@
 //! Sites beyond a mirrored side stand for images, with the signs of their continuation; beyond a one-sided side
 //! there is nothing, and values there stay zero.
 
-use crate::geometry::{Cloud, Side, Vector};
+use crate::geometry::{Lattice, Side, Vector};
 use crate::operators::{Elastic, Parity};
 
 /// Where an image lies, and what it is the image of.
@@ -39,7 +39,7 @@ impl<const D: usize> Padding<D> {
     /// The points of a cloud as a lattice, first axis fastest, with `horizon` metres around it; `None` if they are none.
     pub fn of(elastic: &Elastic<D>, horizon: f64) -> Option<Self> {
         let cloud = &elastic.around.cloud;
-        let counts = lattice(cloud)?;
+        let counts = Lattice::of(cloud)?.counts;
         let reach = std::array::from_fn(|axis| {
             (horizon / cloud.cell[0][axis] * (1.0 + ROUNDING)).floor() as usize
         });
@@ -154,25 +154,3 @@ impl<const D: usize> Padding<D> {
 
 /// Part of a spacing that is rounding.
 pub(super) const ROUNDING: f64 = 1e-6;
-
-/// Points along each axis of a cloud that is a full lattice, first axis fastest.
-fn lattice<const D: usize>(cloud: &Cloud<D>) -> Option<[usize; D]> {
-    let cell = cloud.cell.first()?;
-    let size = cloud.domain.size();
-    let counts: [usize; D] = std::array::from_fn(|axis| (size[axis] / cell[axis]).round() as usize);
-    if counts.iter().product::<usize>() != cloud.len() {
-        return None;
-    }
-    let fits = |(point, x): (usize, &Vector<D>)| {
-        let mut rest = point;
-        (0..D).all(|axis| {
-            let place = (rest % counts[axis]) as f64 + 0.5;
-            rest /= counts[axis];
-            let off = (x[axis] - cloud.domain.lower[axis]) / cell[axis] - place;
-            off.abs() <= ROUNDING
-        })
-    };
-    (cloud.position.iter().enumerate())
-        .all(fits)
-        .then_some(counts)
-}

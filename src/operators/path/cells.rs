@@ -200,10 +200,10 @@ pub fn grid_families<const D: usize>(
         let image = numbers[place_of(&order)]?;
         Some((end as u32, image))
     };
-    let family = |point: usize| {
-        let mut bonds: Vec<(u32, u8)> = steps.iter().filter_map(|s| bond(point, s)).collect();
-        bonds.sort_unstable();
-        bonds
+    let family = |point: usize, bonds: &mut Vec<(u32, u8)>| {
+        let before = bonds.len();
+        bonds.extend(steps.iter().filter_map(|s| bond(point, s)));
+        bonds[before..].sort_unstable();
     };
     Families::of(horizon, images.clone(), share, family)
 }

@@ -61,26 +61,25 @@ impl<const D: usize> Path<D> {
         let (mut geometric, mut arm, mut share) = (Vec::new(), Vec::new(), Vec::new());
         let mut steps = Vec::new();
         let mut open = Vec::new();
-        let kept = families.retain(|owner, bond| {
-            let place = bond - families.family(owner).start;
-            let Some(face) = found.cells[owner]
-                .faces
-                .iter()
-                .find(|face| face.bond == place)
-            else {
-                return false;
-            };
-            let image = families.image(bond);
-            if !keeps(image) {
-                open.extend(open_face(families, owner, bond, face));
-                return false;
+        let (mut counts, mut bonds) = (Vec::with_capacity(families.len()), Vec::new());
+        for owner in 0..families.len() {
+            let (before, start) = (bonds.len(), families.family(owner).start);
+            for face in &found.cell(owner).faces {
+                let bond = start + face.bond;
+                let image = families.image(bond);
+                if !keeps(image) {
+                    open.extend(open_face(families, owner, bond, face));
+                    continue;
+                }
+                bonds.push((families.neighbour(bond) as u32, image));
+                geometric.push(0.5 * face.conductance);
+                arm.push(face.arm);
+                share.push(own_share(owner, bond).unwrap_or(face.share));
+                steps.push(face.steps);
             }
-            geometric.push(0.5 * face.conductance);
-            arm.push(face.arm);
-            share.push(own_share(owner, bond).unwrap_or(face.share));
-            steps.push(face.steps);
-            true
-        })?;
+            counts.push((bonds.len() - before) as u32);
+        }
+        let kept = families.with_bonds(counts, bonds)?;
         let cloud = match own_volume && found.kind == Cells::Scattered {
             false => cloud.clone(),
             true => Arc::new(Cloud {

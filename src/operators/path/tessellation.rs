@@ -12,8 +12,10 @@ pub struct Tessellation<const D: usize> {
     pub families: Families<D>,
     /// How the cells are known.
     pub(super) kind: Cells,
-    /// Shape `(n,)`; empty ones for points of other processes.
-    pub(super) cells: Vec<Cell<D>>,
+    /// Empty ones for points of other processes.
+    cells: Vec<Cell<D>>,
+    /// Which of the cells each point has, shape `(n,)`; empty where every point has its own.
+    kinds: Vec<u32>,
 }
 
 /// Points that a search for the faces of a cell may meet; cells of 2:1 blocks have some hundred.
@@ -73,17 +75,44 @@ impl<const D: usize> Tessellation<D> {
                 false => Cell::default(),
             }
         };
-        let cells = (0..families.len()).into_par_iter().map(cell).collect();
+        let equal = matches!(kind, Cells::Lattice | Cells::Oblique);
+        let Some(alike) = equal.then(|| families.alike(cloud)).flatten() else {
+            let cells = (0..families.len()).into_par_iter().map(cell).collect();
+            return Tessellation {
+                families,
+                kind,
+                cells,
+                kinds: Vec::new(),
+            };
+        };
+        let (mut cells, mut kinds) = (Vec::new(), Vec::with_capacity(alike.len()));
+        for (point, &first) in alike.iter().enumerate() {
+            if first as usize == point {
+                kinds.push(cells.len() as u32);
+                cells.push(cell(point));
+            } else {
+                kinds.push(kinds[first as usize]);
+            }
+        }
         Tessellation {
             families,
             kind,
             cells,
+            kinds,
         }
+    }
+
+    /// The cell of a point.
+    pub(super) fn cell(&self, point: usize) -> &Cell<D> {
+        let kind = self.kinds.get(point).map(|kind| *kind as usize);
+        &self.cells[kind.unwrap_or(point)]
     }
 
     /// Volumes of all cells, m^D. All processes must call this together.
     pub(super) fn volumes(&self) -> Vec<f64> {
-        let mut volume: Vec<f64> = self.cells.iter().map(|cell| cell.volume).collect();
+        let mut volume: Vec<f64> = (0..self.families.len())
+            .map(|point| self.cell(point).volume)
+            .collect();
         self.families.share.complete(&mut volume, 1);
         volume
     }

@@ -11,6 +11,7 @@ use crate::operators::{Damage, Lame};
 use crate::output::{
     Field, OutputError, VtuData, append_vtkhdf, create_vtkhdf, write_pvtu, write_vtu,
 };
+use crate::plan::PointFields;
 use crate::run::FieldValues;
 use crate::schemes::State;
 
@@ -132,6 +133,20 @@ impl Snapshot<'_> {
                 .collect(),
             positions: self.positions.clone(),
             ..*self
+        }
+    }
+
+    /// Fields of some names at some points, without their places.
+    pub(super) fn select(&self, names: &[&str], points: &[u32]) -> PointFields {
+        let wanted = |array: &&Array<'_>| names.contains(&array.name);
+        let own = |array: &Array<'_>| {
+            let values = of_points(&array.values, array.components, points);
+            (array.name.to_owned(), (array.components, values))
+        };
+        PointFields {
+            time: Some(self.time),
+            positions: Vec::new(),
+            arrays: self.arrays.iter().filter(wanted).map(own).collect(),
         }
     }
 

@@ -7,6 +7,7 @@ mod folder;
 mod fracture;
 mod grid;
 mod histories;
+mod pace;
 mod pictures;
 mod profiles;
 mod restart;
@@ -32,6 +33,7 @@ use fields::Snapshot;
 pub(super) use fields::values as field_values;
 use folder::Hold;
 use grid::Grid;
+use pace::Pace;
 use pictures::Pictures;
 use profiles::Profiles;
 pub(super) use restart::WriterRecord;
@@ -55,6 +57,8 @@ pub struct Writer {
     crack_lines: Option<CrackLines>,
     /// What pictures show, from the first output on.
     sections: Option<Sections>,
+    /// When outputs are drawn before the run ends.
+    pace: Pace,
     outputs: usize,
     /// Accepted states so far, the first one included, and of how many one has a row.
     seen: u64,
@@ -98,6 +102,7 @@ impl Writer {
             cracks: None,
             crack_lines: None,
             sections: None,
+            pace: Pace::default(),
             outputs: 0,
             seen: 0,
             stride: 1,
@@ -242,6 +247,7 @@ impl Writer {
             let sections = &mut self.sections;
             let sections = sections.get_or_insert_with(|| Sections::of(plan, model));
             sections.write((&self.folder, number), &snapshot)?;
+            sections.keep(number, &snapshot, D);
         }
         Ok(())
     }
@@ -269,7 +275,10 @@ impl Writer {
             lines.record((&self.folder, number), plan, model, state)?;
         }
         if plan.output.plots {
-            self.pictures(plan, model, |pictures| pictures.of_output(number))?;
+            self.pace.add(number);
+            if self.pace.is_due() {
+                self.draw_pending(plan, model)?;
+            }
         }
         if let Some(cracks) = &mut self.cracks {
             cracks.record(plan, model, state)?;
@@ -323,6 +332,10 @@ impl Writer {
         }
         if let Some(cracks) = &self.cracks {
             cracks.draw(plan)?;
+        }
+        // Where there are several they are drawn in the colours of all.
+        if self.outputs == 1 {
+            self.draw_pending(plan, model)?;
         }
         self.pictures(plan, model, |pictures| {
             pictures.of_run(self.outputs)?;

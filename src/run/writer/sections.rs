@@ -1,6 +1,8 @@
 //! What pictures show: the whole plane, or of space three sections through its middle.
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::fields::Snapshot;
 use super::grid::Grid;
@@ -8,6 +10,7 @@ use crate::geometry::Vector;
 use crate::model::{Disc, Model};
 use crate::output::OutputError;
 use crate::plan::{CrackPlace, GeometryPlan, Plan, PointFields, read_fields};
+use crate::run::quantities::drawn;
 
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -32,7 +35,13 @@ pub(super) struct Sections {
     pub(super) all: Vec<Section>,
     /// Whether the files of fields have just their points.
     in_fields: bool,
+    /// What is drawn of the last outputs, by their numbers and sections: files are read where it is not here.
+    kept: VecDeque<(usize, Vec<Arc<PointFields>>)>,
 }
+
+/// Bytes that are kept of the last outputs at most, or those of one: to read a file of a million points takes 1.1 s and
+/// 400 MB, and drawing it half a second.
+const MOST_KEPT: usize = 1 << 26;
 
 impl Sections {
     /// The plane, or the layers of points nearest to the middle along z, x and y.
@@ -41,7 +50,32 @@ impl Sections {
         Sections {
             all: axes.iter().map(|axis| Section::of(model, *axis)).collect(),
             in_fields: D == 2 && plan.output.vtu && model.subdomain().partition().is_none(),
+            kept: VecDeque::new(),
         }
+    }
+
+    /// Keeps what is drawn of an output.
+    pub(super) fn keep(&mut self, number: usize, snapshot: &Snapshot<'_>, dimension: usize) {
+        let names = drawn(dimension).map(|quantity| quantity.field());
+        let all = self.all.iter();
+        let fields = all.map(|section| Arc::new(snapshot.select(&names, &section.points)));
+        self.kept.push_back((number, fields.collect()));
+        let bytes = |fields: &Arc<PointFields>| -> usize {
+            fields.arrays.values().map(|(_, own)| 8 * own.len()).sum()
+        };
+        let total = |(_, all): &(usize, Vec<_>)| all.iter().map(bytes).sum::<usize>();
+        while self.kept.len() > 1 && self.kept.iter().map(total).sum::<usize>() > MOST_KEPT {
+            self.kept.pop_front();
+        }
+    }
+
+    fn kept(&self, section: &Section, number: usize) -> Option<&Arc<PointFields>> {
+        let (_, fields) = self.kept.iter().find(|kept| kept.0 == number)?;
+        let place = self
+            .all
+            .iter()
+            .position(|own| own.normal == section.normal)?;
+        fields.get(place)
     }
 
     /// Name of the file with the fields of a section at an output.
@@ -73,7 +107,7 @@ impl Sections {
         Ok(())
     }
 
-    /// Reads them again; `None` if the file is gone.
+    /// What was kept of them, else all that stands in their file; `None` if that is gone.
     ///
     /// # Errors
     /// [`OutputError::Malformed`] if it is damaged.
@@ -82,14 +116,17 @@ impl Sections {
         folder: &Path,
         section: &Section,
         number: usize,
-    ) -> Result<Option<PointFields>, OutputError> {
+    ) -> Result<Option<Arc<PointFields>>, OutputError> {
+        if let Some(kept) = self.kept(section, number) {
+            return Ok(Some(kept.clone()));
+        }
         let path = folder.join(self.file(section, number));
         if !path.exists() {
             return Ok(None);
         }
         let fields = read_fields(&path);
         fields
-            .map(Some)
+            .map(|fields| Some(Arc::new(fields)))
             .map_err(|error| malformed(path, &error.to_string()))
     }
 }
