@@ -32,6 +32,8 @@
 //! What this documentation shows is the interface. Modules that it does not show are open to the tests
 //! and benches of this package, and change without notice.
 
+#![warn(unreachable_pub)]
+
 // Modules use only those before them in this order, which tests/architecture.rs holds: parallel, load,
 // geometry, material, reference, scene, plan, operators, assembly, report, effects, boundary, model,
 // explain, schemes, output, run, prelude, cases, study, cli.

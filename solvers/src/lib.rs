@@ -16,6 +16,8 @@
 //! A new backend is one new module and one line in [`BACKENDS`], a new preconditioner of the Krylov
 //! backends one module and one line in [`PRECONDITIONERS`].
 
+#![warn(unreachable_pub)]
+
 mod auto;
 mod cholesky;
 mod direct;

@@ -14,7 +14,7 @@ thread_local! {
 }
 
 /// What the stiffness of families is made of.
-pub trait Moduli<const D: usize>: Sync {
+pub(crate) trait Moduli<const D: usize>: Sync {
     /// Stresses at the owner of a family, times its volume, per displacement along each axis of a point
     /// whose weight in the strain is `weight` (1/m).
     fn stresses(&self, owner: usize, weight: &Vector<D>) -> [Matrix<D>; D];
@@ -57,7 +57,7 @@ impl<const D: usize> Moduli<D> for Isotropic<'_, D> {
 /// `points.expanded(D)`: all columns of a point's first component, then of the next. Rows are summed
 /// in a fixed order, so the bits do not depend on the number of threads. Rows that `repetition` knows to be
 /// those of others are copied.
-pub fn fill_stiffness<const D: usize>(
+pub(crate) fn fill_stiffness<const D: usize>(
     elastic: &Elastic<D>,
     repetition: Option<&Repetition>,
     points: &Pattern,
@@ -79,7 +79,7 @@ fn expanded_offsets<const D: usize>(points: &Pattern) -> Vec<u32> {
 
 /// As [`fill_stiffness`] with other moduli, and only the rows of points in whose own family or in whose
 /// neighbours' families `changed` (shape `(n,)`) is set.
-pub fn fill_rows<const D: usize>(
+pub(crate) fn fill_rows<const D: usize>(
     elastic: &Elastic<D>,
     moduli: &impl Moduli<D>,
     changed: Option<&[bool]>,

@@ -9,7 +9,7 @@ use crate::geometry::Side;
 use crate::operators::{BondForm, MirrorContinuation};
 
 /// Forces A_i d of the bonds of one family, written to `forces`.
-pub fn bond_force<const D: usize, F: BondForm<D>>(
+pub(crate) fn bond_force<const D: usize, F: BondForm<D>>(
     form: &F,
     owner: usize,
     mobility: &[f64],
@@ -40,7 +40,7 @@ pub fn bond_force<const D: usize, F: BondForm<D>>(
 
 /// Derivative of the operator's energy with respect to every value, shape `(n,)`, where
 /// `difference(owner, bond)` is the bond difference of the field, wall values included.
-pub fn force<const D: usize, F: BondForm<D>>(
+pub(crate) fn force<const D: usize, F: BondForm<D>>(
     form: &F,
     extension: &MirrorContinuation<D>,
     mobility: &[f64],
@@ -75,7 +75,7 @@ pub fn force<const D: usize, F: BondForm<D>>(
 }
 
 /// Points of this process with bonds that leave through a side of prescribed value, in increasing order.
-pub fn outlets<const D: usize, F: BondForm<D>>(
+pub(crate) fn outlets<const D: usize, F: BondForm<D>>(
     form: &F,
     extension: &MirrorContinuation<D>,
 ) -> Vec<u32> {
@@ -94,7 +94,7 @@ pub fn outlets<const D: usize, F: BondForm<D>>(
 /// Rate at which the field's flux leaves through every side, in the order of [`Side::index`].
 ///
 /// `owners` comes from [`outlets`]; a bond with force F whose end changes sign takes 2F out.
-pub fn outflow<const D: usize, F: BondForm<D>>(
+pub(crate) fn outflow<const D: usize, F: BondForm<D>>(
     form: &F,
     extension: &MirrorContinuation<D>,
     owners: &[u32],

@@ -9,12 +9,12 @@ mod repetition;
 mod scalar;
 mod uniform_flow;
 
-pub use consistency::{
+pub(crate) use consistency::{
     Consistency, ConsistencyError, Planes, consistent_gradient, natural_extension, side_layer,
 };
-pub use elastic::{Moduli, fill_rows, fill_stiffness};
-pub use operator::ScalarOperator;
-pub use pattern::{Pattern, PatternError, matrix_bytes};
-pub use repetition::Repetition;
-pub use scalar::Refill;
-pub use uniform_flow::uniform_flow_error;
+pub(crate) use elastic::{Moduli, fill_rows, fill_stiffness};
+pub(crate) use operator::ScalarOperator;
+pub(crate) use pattern::{Pattern, PatternError, matrix_bytes};
+pub(crate) use repetition::Repetition;
+pub(crate) use scalar::Refill;
+pub(crate) use uniform_flow::uniform_flow_error;

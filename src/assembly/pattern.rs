@@ -200,7 +200,7 @@ impl Pattern {
 }
 
 /// Bytes of a matrix and its pattern.
-pub fn matrix_bytes(matrix: &CsrMatrix) -> usize {
+pub(crate) fn matrix_bytes(matrix: &CsrMatrix) -> usize {
     12 * matrix.nnz() + 4 * (matrix.rows() + 1)
 }
 

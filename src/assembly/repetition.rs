@@ -5,7 +5,7 @@ use crate::geometry::Lattice;
 
 /// Which points have the rows of which others.
 #[derive(Debug, Clone)]
-pub struct Repetition {
+pub(crate) struct Repetition {
     /// First point with the row of every point, shape `(n,)`.
     first: Vec<u32>,
 }
@@ -13,14 +13,14 @@ pub struct Repetition {
 impl Repetition {
     /// Points of a lattice of `counts` points along the axes, the first axis fastest, where rows of points with
     /// `margin` points and more to both sides do not feel these. Along each axis all such points are alike.
-    pub fn new<const D: usize>(counts: [usize; D], margin: [usize; D]) -> Self {
+    pub(crate) fn new<const D: usize>(counts: [usize; D], margin: [usize; D]) -> Self {
         Repetition {
             first: Lattice::alike(counts, margin),
         }
     }
 
     /// Whether rows that are the same are as long in a pattern over the points.
-    pub fn fits(&self, pattern: &Pattern) -> bool {
+    pub(crate) fn fits(&self, pattern: &Pattern) -> bool {
         let length = |point: usize| pattern.row(point).len();
         let mut all = self.first.iter().enumerate();
         all.all(|(point, first)| length(point) == length(*first as usize))

@@ -202,7 +202,7 @@ pub(super) fn by_rows<T: Send>(
 ///
 /// The field's continuation decides the signs of images; what wall values add is not part of the
 /// matrix. Rows are summed in a fixed order, so the bits do not depend on the number of threads.
-pub fn fill<const D: usize, F: BondForm<D>>(
+pub(crate) fn fill<const D: usize, F: BondForm<D>>(
     form: &F,
     extension: &MirrorContinuation<D>,
     mobility: &[f64],

@@ -20,7 +20,10 @@ const STEPS: usize = 30;
 const ROUNDING: f64 = 1e-12;
 
 /// Largest relative error over the axes. Sides in `one_sided` have families without images.
-pub fn uniform_flow_error<const D: usize, F: BondForm<D>>(form: &F, one_sided: &[bool]) -> f64 {
+pub(crate) fn uniform_flow_error<const D: usize, F: BondForm<D>>(
+    form: &F,
+    one_sided: &[bool],
+) -> f64 {
     let around = form.neighbourhood();
     let free = free_points(around, one_sided);
     let planes = Planes::natural(one_sided);

@@ -19,7 +19,7 @@ const CROSSING: [f64; 2] = [0.25, 0.75];
 ///
 /// Every criterion is a ramp: with a jump, flow and fracture would have no common state where a bond
 /// counts for one opening and not for the other.
-pub fn aperture<const D: usize>(
+pub(crate) fn aperture<const D: usize>(
     rule: ApertureRule,
     elastic: &Elastic<D>,
     response: &Response<D>,

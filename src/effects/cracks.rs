@@ -7,7 +7,7 @@ use crate::operators::{Divergence, Elastic, face_areas};
 use crate::plan::{CrackKind, Plan};
 
 /// Pressures of the cracks that have one.
-pub fn crack_pressures<const D: usize>(
+pub(crate) fn crack_pressures<const D: usize>(
     context: &SolidContext<'_, D>,
 ) -> Result<Vec<Box<dyn Effect>>, EffectError> {
     let elastic = context.elastic;
@@ -42,7 +42,7 @@ pub fn crack_pressures<const D: usize>(
 
 /// Forces that the initial stress exerts on the faces of cuts with a pressure, shape `(n·D,)`, N: the faces carry
 /// that pressure alone. Faces without one are closed, and carry the stress on.
-pub fn released_faces<const D: usize>(
+pub(crate) fn released_faces<const D: usize>(
     plan: &Plan,
     elastic: &Elastic<D>,
     stress: impl Fn(usize) -> Matrix<D>,

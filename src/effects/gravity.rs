@@ -12,7 +12,7 @@ use crate::plan::{Plan, SideCondition};
 
 /// Weight of the fluid per volume and where hydrostatic side pressures have their datum.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column<const D: usize> {
+pub(crate) struct Column<const D: usize> {
     /// ρ_f g in Pa/m.
     pub weight: Vector<D>,
     /// Per side, whether its pressure is hydrostatic.
@@ -23,7 +23,7 @@ pub struct Column<const D: usize> {
 
 impl<const D: usize> Column<D> {
     /// The column of a plan, if it names gravity.
-    pub fn of(plan: &Plan, cloud: &Cloud<D>) -> Option<Self> {
+    pub(crate) fn of(plan: &Plan, cloud: &Cloud<D>) -> Option<Self> {
         let gravity = plan.gravity.as_ref()?;
         let weight: Vector<D> = vector::<D>(&gravity.acceleration) * plan.fluid.density;
         let (lower, upper) = (&cloud.domain.lower, &cloud.domain.upper);
@@ -49,13 +49,13 @@ impl<const D: usize> Column<D> {
     }
 
     /// Hydrostatic pressure at `x` above that at the highest point, Pa.
-    pub fn pressure(&self, x: &Vector<D>) -> f64 {
+    pub(crate) fn pressure(&self, x: &Vector<D>) -> f64 {
         self.weight.dot(&(x - self.datum))
     }
 
     /// Hydrostatic pressure at `x` above that at a height (m, against gravity from the origin), Pa; above that
     /// at the highest point if there is none.
-    pub fn pressure_below(&self, height: Option<f64>, x: &Vector<D>) -> f64 {
+    pub(crate) fn pressure_below(&self, height: Option<f64>, x: &Vector<D>) -> f64 {
         let weight = self.weight.norm();
         match height {
             Some(height) => self.weight.dot(x) + weight * height,
@@ -75,7 +75,7 @@ impl<const D: usize> Column<D> {
     }
 
     /// Bond difference that gravity adds to that of the pressure, Pa.
-    pub fn difference(
+    pub(crate) fn difference(
         &self,
         cloud: &Cloud<D>,
         families: &Families<D>,
@@ -92,7 +92,12 @@ impl<const D: usize> Column<D> {
     }
 
     /// What gravity adds to the value of the image of a point at `x`, less the weight there, Pa.
-    pub fn on_image(&self, extension: &MirrorContinuation<D>, image: u8, x: &Vector<D>) -> f64 {
+    pub(crate) fn on_image(
+        &self,
+        extension: &MirrorContinuation<D>,
+        image: u8,
+        x: &Vector<D>,
+    ) -> f64 {
         let foot = extension.foot(image, x);
         extension.offset(image, x, |side, x| self.on_wall(side, x)) - self.weight.dot(&foot)
     }

@@ -21,7 +21,7 @@ pub(super) fn build<const D: usize>(
 }
 
 /// Points of a band within one horizon of a place, each with its share of what is pumped in there.
-pub fn injection_shares<const D: usize>(
+pub(crate) fn injection_shares<const D: usize>(
     around: &Neighbourhood<D>,
     at: &Vector<D>,
     band: &[u32],

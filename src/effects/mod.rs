@@ -18,15 +18,15 @@ mod wells;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-pub use aperture::aperture;
-pub use cracks::released_faces;
-pub use gravity::Column;
-pub use injection::injection_shares;
-pub use opening::{Opening, openings};
-pub use solid::{SolidContext, build_solid, initial_force, loaded_side, tensor};
-pub use wells::{WellSpread, known_wells};
+pub(crate) use aperture::aperture;
+pub(crate) use cracks::released_faces;
+pub(crate) use gravity::Column;
+pub(crate) use injection::injection_shares;
+pub(crate) use opening::{Opening, openings};
+pub(crate) use solid::{SolidContext, build_solid, initial_force, loaded_side, tensor};
+pub(crate) use wells::{WellSpread, known_wells};
 
-pub use crate::plan::Effect;
+pub(crate) use crate::plan::Effect;
 
 use crate::assembly::ScalarOperator;
 use crate::geometry::{Side, Vector};
@@ -34,7 +34,7 @@ use crate::operators::{MirrorContinuation, Parity};
 use crate::plan::Plan;
 
 /// Everything effects may look at while they are built.
-pub struct Context<'a, const D: usize> {
+pub(crate) struct Context<'a, const D: usize> {
     /// The plan.
     pub plan: &'a Plan,
     /// The flow operator.
@@ -168,7 +168,7 @@ fn registry<const D: usize>() -> [Build<D>; 6] {
 ///
 /// # Errors
 /// [`EffectError`] if a named effect does not fit the cloud.
-pub fn build<const D: usize>(context: &Context<'_, D>) -> Result<Vec<Counted>, EffectError> {
+pub(crate) fn build<const D: usize>(context: &Context<'_, D>) -> Result<Vec<Counted>, EffectError> {
     let mut effects = Vec::new();
     for build in registry() {
         effects.extend(build(context)?.into_iter().map(Counted::new));

@@ -36,7 +36,7 @@ struct Item<const D: usize> {
 }
 
 /// Openings at the points that conduct, shape `(n,)`; zero elsewhere.
-pub fn openings<const D: usize>(
+pub(crate) fn openings<const D: usize>(
     elastic: &Elastic<D>,
     response: &Response<D>,
     conducts: &[bool],

@@ -10,7 +10,7 @@ use crate::operators::{Elastic, column_sums, face_areas};
 use crate::plan::{MechanicsPlan, Plan, Support, TractionPlan};
 
 /// Everything loads on the solid may look at while they are built.
-pub struct SolidContext<'a, const D: usize> {
+pub(crate) struct SolidContext<'a, const D: usize> {
     /// The plan.
     pub plan: &'a Plan,
     /// Its mechanics.
@@ -41,7 +41,7 @@ fn registry<const D: usize>() -> [Build<D>; 6] {
 ///
 /// # Errors
 /// [`EffectError`] if a named load does not fit the cloud.
-pub fn build_solid<const D: usize>(
+pub(crate) fn build_solid<const D: usize>(
     context: &SolidContext<'_, D>,
 ) -> Result<Vec<Counted>, EffectError> {
     let mut effects = Vec::new();
@@ -84,7 +84,7 @@ impl Effect for SolidLoad {
 /// asks for, shape `(n,)`, m^(D−1).
 ///
 /// A uniform stress is then in equilibrium with its traction to rounding error.
-pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> {
+pub(crate) fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> {
     let around = &elastic.around;
     let natural = natural_extension(around, side.axis, &Planes::of(&elastic.extension));
     let weight = |axis: usize, bond: usize| match axis == side.axis {
@@ -109,7 +109,7 @@ pub fn side_areas<const D: usize>(elastic: &Elastic<D>, side: Side) -> Vec<f64> 
 ///
 /// # Errors
 /// [`EffectError::SideArea`] if they add up to another area than that of the side.
-pub fn loaded_side<const D: usize>(
+pub(crate) fn loaded_side<const D: usize>(
     elastic: &Elastic<D>,
     side: Side,
 ) -> Result<Vec<f64>, EffectError> {
@@ -261,7 +261,10 @@ fn weight<const D: usize>(
 }
 
 /// −Bᵀ V σ⁰: the force of a stress per point that is there before anything strains, shape `(n·D,)`, N.
-pub fn initial_force<const D: usize>(elastic: &Elastic<D>, stress: &[Matrix<D>]) -> Vec<f64> {
+pub(crate) fn initial_force<const D: usize>(
+    elastic: &Elastic<D>,
+    stress: &[Matrix<D>],
+) -> Vec<f64> {
     let families = &elastic.around.families;
     let forces: Vec<Vector<D>> = (0..elastic.points())
         .flat_map(|owner| {
@@ -275,7 +278,7 @@ pub fn initial_force<const D: usize>(elastic: &Elastic<D>, stress: &[Matrix<D>])
 }
 
 /// Symmetric tensor from xx, yy, zz, xy, yz, xz.
-pub fn tensor<const D: usize>(components: &[f64; 6]) -> Matrix<D> {
+pub(crate) fn tensor<const D: usize>(components: &[f64; 6]) -> Matrix<D> {
     Matrix::from_fn(|a, b| match (a.min(b), a.max(b)) {
         (a, b) if a == b => components[a],
         (0, 1) => components[3],

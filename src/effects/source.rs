@@ -6,7 +6,7 @@ use crate::plan::manufactured;
 use crate::reference::{ExactPressure, Manufactured};
 
 /// Source S ∂p/∂t − κ∇²p of the manufactured pressure, sampled at the points.
-pub struct ManufacturedSource<const D: usize> {
+pub(crate) struct ManufacturedSource<const D: usize> {
     solution: Manufactured,
     position: Vec<Vector<D>>,
     volume: Vec<f64>,

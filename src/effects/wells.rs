@@ -51,7 +51,7 @@ pub(super) fn build<const D: usize>(
 
 /// Points that a well feeds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WellSpread {
+pub(crate) struct WellSpread {
     /// Points and their shares s_i; they add up to `inside`.
     pub share: Vec<(u32, f64)>,
     /// Share of the rate that enters the domain.
@@ -64,7 +64,7 @@ pub struct WellSpread {
 ///
 /// # Errors
 /// [`EffectError::EmptyWell`].
-pub fn known_wells<const D: usize>(
+pub(crate) fn known_wells<const D: usize>(
     context: &Context<'_, D>,
 ) -> Result<Vec<(usize, WellSpread)>, EffectError> {
     let around = context.operator.neighbourhood();

@@ -6,7 +6,7 @@ use crate::geometry::{Matrix, Vector};
 const SWEEPS: usize = 12;
 
 /// Eigenvalues, and eigenvectors as columns.
-pub fn eigen<const D: usize>(matrix: &Matrix<D>) -> (Vector<D>, Matrix<D>) {
+pub(crate) fn eigen<const D: usize>(matrix: &Matrix<D>) -> (Vector<D>, Matrix<D>) {
     let (mut a, mut vectors) = (*matrix, Matrix::identity());
     for _ in 0..SWEEPS {
         let mut rotated = false;

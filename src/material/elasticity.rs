@@ -24,7 +24,7 @@ impl Lame {
 }
 
 /// Strain of the displacement gradient e_axis ⊗ `weight`.
-pub fn unit_strain<const D: usize>(axis: usize, weight: &Vector<D>) -> Matrix<D> {
+pub(crate) fn unit_strain<const D: usize>(axis: usize, weight: &Vector<D>) -> Matrix<D> {
     let mut strain = Matrix::zeros();
     for k in 0..D {
         strain[(axis, k)] += 0.5 * weight[k];

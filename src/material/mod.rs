@@ -7,12 +7,10 @@ mod elasticity;
 mod random_field;
 mod storage;
 
-pub use backus::Backus;
-pub use damage::{
-    CrackPlane, DamageLaw, DamageModel, EnergySplit, Exponent, HourglassRule, PointResponse,
-    PointState, Tangent, TangentKind,
-};
-pub use eigen::eigen;
-pub use elasticity::{Elasticity, Lame, unit_strain};
-pub use random_field::log_normal;
-pub use storage::storage_coefficient;
+pub(crate) use backus::Backus;
+pub(crate) use damage::{CrackPlane, DamageLaw, PointResponse, PointState, Tangent, TangentKind};
+pub use damage::{DamageModel, EnergySplit, Exponent, HourglassRule};
+pub(crate) use eigen::eigen;
+pub(crate) use elasticity::{Elasticity, Lame, unit_strain};
+pub(crate) use random_field::log_normal;
+pub(crate) use storage::storage_coefficient;

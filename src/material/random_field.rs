@@ -44,7 +44,7 @@ fn standard_normal<const D: usize>(
 }
 
 /// Log-normal field median · 10^(log10_std · z), clipped to `decades` in all around the median.
-pub fn log_normal<const D: usize>(
+pub(crate) fn log_normal<const D: usize>(
     positions: &[Vector<D>],
     median: f64,
     log10_std: f64,

@@ -2,7 +2,7 @@
 
 /// Storage coefficient in 1/Pa from porosity, Biot coefficient and the bulk moduli of the rock and
 /// of the fluid in Pa (Eq. 38).
-pub fn storage_coefficient(
+pub(crate) fn storage_coefficient(
     porosity: f64,
     biot_coefficient: f64,
     rock_bulk_modulus: f64,

@@ -126,7 +126,7 @@ pub fn build_families<const D: usize>(
 }
 
 /// The plan's cracks as chains; those in space have no segments.
-pub fn cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
+pub(crate) fn cracks<const D: usize>(plan: &Plan) -> Vec<Crack<D>> {
     let chain = |crack: &CrackPlan| Crack {
         points: crack.points().iter().map(|x| vector(x)).collect(),
     };

@@ -52,7 +52,7 @@ pub enum Spreading {
 pub const DRY: u32 = u32::MAX;
 /// Damage from which a point conducts. Tip energy of a crack driven by fluid over G_c: 0.757, 0.794 and 0.784 for
 /// 0.02, 0.1 and 0.4 *(prototype)*.
-pub const WET: f64 = 0.1;
+pub(crate) const WET: f64 = 0.1;
 /// Cosine to the normal of a crack up to which a bond leads on along it.
 const ALONG: f64 = 0.3;
 /// Share of the storage of pores that a point in a crack keeps, so that a closed crack takes something up; without any

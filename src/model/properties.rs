@@ -10,7 +10,7 @@ use super::ModelError;
 use super::fields::Fields;
 
 /// Properties per point.
-pub struct Properties {
+pub(crate) struct Properties {
     /// Index into the plan's materials.
     pub material: Vec<u16>,
     /// Permeability, m²; the largest principal one where it is a tensor.
@@ -35,7 +35,7 @@ const NONE: u16 = u16::MAX;
 ///
 /// # Errors
 /// [`ModelError`] for regions without points, points without material, and files that do not fit.
-pub fn assign<const D: usize>(
+pub(crate) fn assign<const D: usize>(
     plan: &Plan,
     cloud: &Cloud<D>,
     table: Option<&PointTable>,
@@ -52,7 +52,7 @@ pub fn assign<const D: usize>(
 ///
 /// # Errors
 /// [`ModelError::MissingProperty`].
-pub fn assign_roughly<const D: usize>(
+pub(crate) fn assign_roughly<const D: usize>(
     plan: &Plan,
     cloud: &Cloud<D>,
 ) -> Result<Properties, ModelError> {

@@ -24,7 +24,7 @@ pub(super) struct Stabilisation<const D: usize> {
 
 impl<const D: usize> Stabilisation<D> {
     /// Term with the factor `strength` (θ) over the families of the flow operator.
-    pub fn new(around: &Neighbourhood<D>, coupling: &Coupling, strength: f64) -> Self {
+    pub(crate) fn new(around: &Neighbourhood<D>, coupling: &Coupling, strength: f64) -> Self {
         let cloud = &around.cloud;
         let factor = |i: usize| {
             let storage = coupling.oedometric[i] / cloud.volume[i];
@@ -45,12 +45,12 @@ impl<const D: usize> Stabilisation<D> {
     }
 
     /// Its sparsity.
-    pub fn pattern(&self) -> Result<Pattern, ModelError> {
+    pub(crate) fn pattern(&self) -> Result<Pattern, ModelError> {
         Ok(Pattern::new(&self.form)?)
     }
 
     /// Its values in `pattern`, which holds its own, m^D/Pa.
-    pub fn values(&self, pattern: &Pattern) -> Vec<f64> {
+    pub(crate) fn values(&self, pattern: &Pattern) -> Vec<f64> {
         let mut values = vec![0.0; pattern.nonzeros()];
         let plan: Refill = self.form.refill_plan(&self.extension, pattern);
         self.form

@@ -15,7 +15,7 @@ use crate::geometry::{Matrix, Vector};
 
 /// Bond diffusion operator.
 #[derive(Debug, Clone)]
-pub struct BondConductance<const D: usize> {
+pub(crate) struct BondConductance<const D: usize> {
     around: Arc<Neighbourhood<D>>,
     /// Conductance per unit mobility, shape `(bonds,)`.
     geometric: Vec<f64>,
@@ -24,7 +24,7 @@ pub struct BondConductance<const D: usize> {
 
 impl<const D: usize> BondConductance<D> {
     /// Weighs all bonds.
-    pub fn new(around: Arc<Neighbourhood<D>>) -> Self {
+    pub(crate) fn new(around: Arc<Neighbourhood<D>>) -> Self {
         let families: Vec<(Vec<f64>, bool)> = (0..around.len())
             .into_par_iter()
             .map(|owner| family_weights(&around, owner))
@@ -45,7 +45,7 @@ impl<const D: usize> BondConductance<D> {
     }
 
     /// Points whose second moment could not be made exact with positive weights.
-    pub fn uncorrected(&self) -> usize {
+    pub(crate) fn uncorrected(&self) -> usize {
         self.uncorrected
     }
 }

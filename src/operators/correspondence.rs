@@ -17,7 +17,7 @@ use crate::geometry::{Matrix, Vector};
 
 /// Correspondence diffusion operator; the mobility of the family's owner counts.
 #[derive(Debug, Clone)]
-pub struct Correspondence<const D: usize> {
+pub(crate) struct Correspondence<const D: usize> {
     around: Arc<Neighbourhood<D>>,
     hourglass: f64,
     /// What the second hop needs, present where it does not vanish.
@@ -40,7 +40,7 @@ const ISOTROPIC: f64 = 1e-11;
 impl<const D: usize> Correspondence<D> {
     /// Operator with hourglass coefficient `hourglass` (c, 1 by default; Eq. 54 with its misprint
     /// corrected: the coefficient is c κ, not the shear modulus).
-    pub fn new(
+    pub(crate) fn new(
         around: Arc<Neighbourhood<D>>,
         hourglass: f64,
         corrected: Option<Gradient<D>>,

@@ -11,7 +11,7 @@ use crate::geometry::Vector;
 
 /// A part of a bond in the cell of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Crossing {
+pub(crate) struct Crossing {
     /// Number of the cell in the list of points asked for.
     pub cell: u32,
     /// Number of the bond's owner in [`Crossings::owners`].
@@ -26,7 +26,7 @@ pub struct Crossing {
 
 /// All bonds through some cells.
 #[derive(Debug, Clone, Default)]
-pub struct Crossings {
+pub(crate) struct Crossings {
     /// Points whose families have such bonds, ascending.
     pub owners: Vec<u32>,
     /// The parts, by owner and bond.
@@ -38,7 +38,7 @@ const BORDER: f64 = 1e-9;
 
 impl Crossings {
     /// Finds all bonds through the cells of `points`.
-    pub fn of<const D: usize>(around: &Neighbourhood<D>, points: &[u32]) -> Self {
+    pub(crate) fn of<const D: usize>(around: &Neighbourhood<D>, points: &[u32]) -> Self {
         let families = &around.families;
         let mut cell = vec![u32::MAX; families.len()];
         for (number, &point) in (0_u32..).zip(points) {
@@ -73,7 +73,7 @@ impl Crossings {
 }
 
 /// Calls `visit(bond, (point, image), share)` for the cells along the bonds of a family.
-pub fn cells_along<const D: usize>(
+pub(crate) fn cells_along<const D: usize>(
     around: &Neighbourhood<D>,
     owner: usize,
     mut visit: impl FnMut(usize, (usize, u8), f64),

@@ -322,6 +322,6 @@ impl<const D: usize> Elastic<D> {
 
 /// Components of a point in a field of shape `(n·D,)`.
 #[inline]
-pub fn point_value<const D: usize>(field: &[f64], point: usize) -> Vector<D> {
+pub(crate) fn point_value<const D: usize>(field: &[f64], point: usize) -> Vector<D> {
     Vector::from_fn(|axis, _| field[point * D + axis])
 }

@@ -9,7 +9,7 @@ use crate::geometry::{Matrix, Severed, Vector};
 /// These are the area vectors of the faces, out of the body and spread over the points that lost bonds.
 /// A uniform stress σ is in equilibrium with the forces σ a on them to rounding error, as it is with
 /// tractions on the area vectors of sides. `None` without cracks.
-pub fn face_areas<const D: usize>(
+pub(crate) fn face_areas<const D: usize>(
     around: &Neighbourhood<D>,
     cracks: std::ops::Range<u16>,
     sign: impl Fn(usize, u8) -> f64,

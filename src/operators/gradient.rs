@@ -36,7 +36,7 @@ fn plain_weight<const D: usize>(around: &Neighbourhood<D>, owner: usize, bond: u
 }
 
 /// Plain gradient of one family from its bond differences, without stored weights.
-pub fn family_gradient<const D: usize>(
+pub(crate) fn family_gradient<const D: usize>(
     around: &Neighbourhood<D>,
     owner: usize,
     difference: impl Fn(usize) -> f64,
@@ -65,7 +65,7 @@ fn area_vectors<const D: usize>(
 
 /// Column sums Σ_i V_i ∂g_i/∂f_j of a gradient with the given `weight(axis, bond)`, for a field whose
 /// images carry `sign(axis, bond)`; shape `(n,)`, unit m^(D−1).
-pub fn column_sums<const D: usize>(
+pub(crate) fn column_sums<const D: usize>(
     around: &Neighbourhood<D>,
     weight: impl Fn(usize, usize) -> f64 + Sync,
     sign: impl Fn(usize, usize) -> f64 + Sync,

@@ -9,7 +9,7 @@ use crate::geometry::Matrix;
 
 /// Form Rᵀ D(V_i ω V_j) R with R f = f_j − f_i − ∇̃f_i·ξ (Eq. 10).
 #[derive(Debug, Clone)]
-pub struct Hourglass<const D: usize> {
+pub(crate) struct Hourglass<const D: usize> {
     around: Arc<Neighbourhood<D>>,
     gradient: Arc<Gradient<D>>,
     /// Factor per point, shape `(n,)`.
@@ -20,13 +20,13 @@ pub struct Hourglass<const D: usize> {
 
 impl<const D: usize> Hourglass<D> {
     /// Form over the plain gradient of the same neighbourhood.
-    pub fn new(around: Arc<Neighbourhood<D>>, gradient: Arc<Gradient<D>>) -> Self {
+    pub(crate) fn new(around: Arc<Neighbourhood<D>>, gradient: Arc<Gradient<D>>) -> Self {
         let ones = vec![1.0; around.len()];
         Self::weighted(around, gradient, ones)
     }
 
     /// The same with a factor per family, shape `(n,)`.
-    pub fn weighted(
+    pub(crate) fn weighted(
         around: Arc<Neighbourhood<D>>,
         gradient: Arc<Gradient<D>>,
         factor: Vec<f64>,

@@ -25,25 +25,25 @@ mod laminate;
 mod neighbourhood;
 mod path;
 
-pub use bond_conductance::BondConductance;
-pub use correspondence::Correspondence;
-pub use crossings::{Crossings, cells_along};
-pub use damage::{Damage, DamageFields, Response};
-pub use divergence::Divergence;
-pub use elastic::{Elastic, point_value};
-pub use elastic_force::{ElasticForce, diagonal};
-pub use extension::{MirrorContinuation, Parity};
-pub use faces::face_areas;
-pub use family_width::{BandLaw, FamilyWidths, WholeFamily, WidthRange};
-pub use gradient::{Gradient, column_sums, family_gradient};
-pub use hourglass::Hourglass;
-pub use laminate::{Laminate, Layered, Layers};
-pub use neighbourhood::Neighbourhood;
-pub use path::{
+pub(crate) use bond_conductance::BondConductance;
+pub(crate) use correspondence::Correspondence;
+pub(crate) use crossings::{Crossings, cells_along};
+pub(crate) use damage::{Damage, DamageFields, Response};
+pub(crate) use divergence::Divergence;
+pub(crate) use elastic::{Elastic, point_value};
+pub(crate) use elastic_force::{ElasticForce, diagonal};
+pub(crate) use extension::{MirrorContinuation, Parity};
+pub(crate) use faces::face_areas;
+pub(crate) use family_width::{BandLaw, FamilyWidths, WholeFamily, WidthRange};
+pub(crate) use gradient::{Gradient, column_sums, family_gradient};
+pub(crate) use hourglass::Hourglass;
+pub(crate) use laminate::{Laminate, Layered, Layers};
+pub(crate) use neighbourhood::Neighbourhood;
+pub(crate) use path::{
     Arm, Cells, Path, PlaneTensor, Tessellation, cell_faces, grid_families, runs_along_axes,
 };
 
-pub use crate::material::Lame;
+pub(crate) use crate::material::Lame;
 
 use crate::geometry::{Matrix, Side, Vector};
 

@@ -127,7 +127,7 @@ pub const COLUMNS: &[Column] = &[
 ///
 /// # Errors
 /// [`OutputError`] if its heading cannot be read.
-pub fn written(path: &Path) -> Result<Vec<WrittenColumn>, OutputError> {
+pub(crate) fn written(path: &Path) -> Result<Vec<WrittenColumn>, OutputError> {
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     let kind = [PROFILE, CRACK].into_iter().find(|kind| {
         let start = kind.split("NAME").next().unwrap_or(kind);

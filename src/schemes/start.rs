@@ -19,7 +19,7 @@ pub(super) struct ExplicitStart {
 
 impl ExplicitStart {
     /// As the plan asks; the rows of one process are no matrix that could be solved here.
-    pub fn new<const D: usize>(plan: &Plan, model: &Model<D>) -> Self {
+    pub(crate) fn new<const D: usize>(plan: &Plan, model: &Model<D>) -> Self {
         let whole = model.subdomain().partition().is_none();
         let assembled = plan.scheme_options.start == SchemeStart::Assembled;
         ExplicitStart {
@@ -38,7 +38,7 @@ impl ExplicitStart {
     ///
     /// # Errors
     /// [`StepError`].
-    pub fn start<const D: usize>(
+    pub(crate) fn start<const D: usize>(
         &mut self,
         model: &Model<D>,
         relaxation: &mut dyn SolidSolver<D>,
@@ -69,12 +69,12 @@ impl ExplicitStart {
     ///
     /// # Errors
     /// [`StepError::MissingPart`] without flow.
-    pub fn applies<const D: usize>(&self, model: &Model<D>) -> Result<bool, StepError> {
+    pub(crate) fn applies<const D: usize>(&self, model: &Model<D>) -> Result<bool, StepError> {
         Ok(flow_of(model)?.stabilisation.is_empty())
     }
 
     /// Work done so far.
-    pub fn counters(&self) -> &SchemeCounters {
+    pub(crate) fn counters(&self) -> &SchemeCounters {
         &self.counters
     }
 }

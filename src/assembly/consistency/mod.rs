@@ -20,8 +20,8 @@ use std::sync::Arc;
 
 use perifrac_solvers::{SolveError, SpecError};
 
-pub use planes::{Planes, natural_extension};
-pub use targets::{boundary_layer, side_layer, surface_layer};
+pub(crate) use planes::{Planes, natural_extension};
+pub(crate) use targets::{boundary_layer, side_layer, surface_layer};
 
 use super::{Pattern, PatternError};
 use crate::geometry::{Side, Vector, Voids};
@@ -73,7 +73,7 @@ pub enum ConsistencyError {
 ///
 /// # Errors
 /// [`ConsistencyError`] for a cloud without planes, or if a solve fails.
-pub fn consistent_gradient<const D: usize>(
+pub(crate) fn consistent_gradient<const D: usize>(
     around: &Arc<Neighbourhood<D>>,
     planes: &Planes,
 ) -> Result<(Gradient<D>, Consistency), ConsistencyError> {

@@ -5,7 +5,7 @@ use crate::operators::{MirrorContinuation, Neighbourhood, Parity};
 
 /// What the planes of a cloud do to the field whose gradient is corrected.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Planes {
+pub(crate) struct Planes {
     /// Sides beyond which families see no images.
     pub one_sided: Vec<bool>,
     /// Sides across which every component is odd.
@@ -14,7 +14,7 @@ pub struct Planes {
 
 impl Planes {
     /// Planes without clamped sides.
-    pub fn natural(one_sided: &[bool]) -> Self {
+    pub(crate) fn natural(one_sided: &[bool]) -> Self {
         Planes {
             one_sided: one_sided.to_vec(),
             clamped: vec![false; one_sided.len()],
@@ -22,7 +22,7 @@ impl Planes {
     }
 
     /// Planes of a vector field whose components have the given continuations.
-    pub fn of<const D: usize>(components: &[MirrorContinuation<D>]) -> Self {
+    pub(crate) fn of<const D: usize>(components: &[MirrorContinuation<D>]) -> Self {
         let all = |wanted: Parity| {
             let has = |side: Side| components.iter().all(|own| own.parity(side) == wanted);
             Side::all(D).map(has).collect()
@@ -46,7 +46,7 @@ impl Planes {
 }
 
 /// Continuation of the component along `axis`.
-pub fn natural_extension<const D: usize>(
+pub(crate) fn natural_extension<const D: usize>(
     around: &Neighbourhood<D>,
     axis: usize,
     planes: &Planes,

@@ -8,12 +8,18 @@ use crate::operators::{Neighbourhood, Parity};
 
 /// Points whose column sums feel one of the `sides`, beyond which there are no images: those whose own
 /// horizon, or that of a point that sees them, crosses it.
-pub fn boundary_layer<const D: usize>(around: &Neighbourhood<D>, sides: &[Side]) -> Vec<bool> {
+pub(crate) fn boundary_layer<const D: usize>(
+    around: &Neighbourhood<D>,
+    sides: &[Side],
+) -> Vec<bool> {
     feeling(around, |point| crosses_side(around, sides, point))
 }
 
 /// Points whose column sums feel the free surface of one of the `voids`.
-pub fn surface_layer<const D: usize>(around: &Neighbourhood<D>, voids: &Voids<D>) -> Vec<bool> {
+pub(crate) fn surface_layer<const D: usize>(
+    around: &Neighbourhood<D>,
+    voids: &Voids<D>,
+) -> Vec<bool> {
     layer(around, &[], voids)
 }
 
@@ -99,7 +105,7 @@ pub(super) fn totals<const D: usize>(
 }
 
 /// Points whose column sums feel a side, and are nearer to it than to the opposite one.
-pub fn side_layer<const D: usize>(around: &Neighbourhood<D>, side: Side) -> Vec<bool> {
+pub(crate) fn side_layer<const D: usize>(around: &Neighbourhood<D>, side: Side) -> Vec<bool> {
     let domain = &around.cloud.domain;
     let opposite = Side {
         axis: side.axis,

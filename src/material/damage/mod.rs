@@ -19,11 +19,11 @@ use serde::Serialize;
 use super::Lame;
 use crate::geometry::{Matrix, Vector};
 
-pub use plane::CrackPlane;
+pub(crate) use plane::CrackPlane;
 #[cfg(test)]
 use plane::across;
 pub use softening::Exponent;
-pub use tangent::{Tangent, TangentKind};
+pub(crate) use tangent::{Tangent, TangentKind};
 
 /// What damage does to rock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

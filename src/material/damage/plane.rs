@@ -183,7 +183,7 @@ impl<const D: usize> Cut<D> {
 }
 
 /// N = C₀:(n⊗n), Pa.
-pub fn across<const D: usize>(lame: Lame, normal: &Vector<D>) -> Matrix<D> {
+pub(crate) fn across<const D: usize>(lame: Lame, normal: &Vector<D>) -> Matrix<D> {
     Matrix::identity() * lame.lambda + normal * normal.transpose() * (2.0 * lame.mu)
 }
 

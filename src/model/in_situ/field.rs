@@ -13,7 +13,7 @@ use crate::plan::{FlowPlan, InitialPlan, Plan};
 type Stress = [f64; 6];
 
 /// The in-situ state on a cloud.
-pub struct InSitu<'a, const D: usize> {
+pub(crate) struct InSitu<'a, const D: usize> {
     pub(super) initial: &'a InitialPlan,
     pub(super) cloud: Arc<Cloud<D>>,
     /// Unit vector along which depth grows.
@@ -39,7 +39,7 @@ impl<'a, const D: usize> InSitu<'a, D> {
     ///
     /// # Errors
     /// [`ModelError`] for regions without points and weights that K₀ cannot follow.
-    pub fn of(
+    pub(crate) fn of(
         plan: &'a Plan,
         cloud: &Arc<Cloud<D>>,
         points: &Properties,
@@ -116,7 +116,7 @@ impl<'a, const D: usize> InSitu<'a, D> {
     }
 
     /// Effective stress of a point, Pa.
-    pub fn effective(&self, point: usize) -> Stress {
+    pub(crate) fn effective(&self, point: usize) -> Stress {
         let x = &self.cloud.position[point];
         let (stress, total) = self.given(point, x);
         let push = if total { self.push(point, x) } else { 0.0 };
@@ -124,14 +124,14 @@ impl<'a, const D: usize> InSitu<'a, D> {
     }
 
     /// Total stress at a place beside a point, such as its foot on a side, Pa.
-    pub fn total_at(&self, point: usize, x: &Vector<D>) -> Matrix<D> {
+    pub(crate) fn total_at(&self, point: usize, x: &Vector<D>) -> Matrix<D> {
         let (stress, total) = self.given(point, x);
         let push = if total { 0.0 } else { self.push(point, x) };
         tensor(&shifted(stress, -push))
     }
 
     /// Total stress of a point, Pa.
-    pub fn total_tensor(&self, point: usize) -> Matrix<D> {
+    pub(crate) fn total_tensor(&self, point: usize) -> Matrix<D> {
         self.total_at(point, &self.cloud.position[point])
     }
 
@@ -141,7 +141,7 @@ impl<'a, const D: usize> InSitu<'a, D> {
     }
 
     /// Largest total or effective stress, Pa.
-    pub fn level(&self) -> f64 {
+    pub(crate) fn level(&self) -> f64 {
         let at = |point: usize| {
             let effective = self.effective(point).into_iter();
             let own = effective.fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -151,7 +151,7 @@ impl<'a, const D: usize> InSitu<'a, D> {
     }
 
     /// The level times the surface of the domain, N: a scale for what is left of forces in balance.
-    pub fn force(&self) -> f64 {
+    pub(crate) fn force(&self) -> f64 {
         let domain = &self.cloud.domain;
         self.level() * Side::all(D).map(|side| domain.area(side)).sum::<f64>()
     }

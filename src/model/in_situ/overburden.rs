@@ -18,7 +18,7 @@ impl Overburden {
     ///
     /// # Errors
     /// [`ModelError::UnevenWeight`] if it changes with more than depth, or on a cloud without layers.
-    pub fn of<const D: usize>(
+    pub(crate) fn of<const D: usize>(
         cloud: &Cloud<D>,
         down: &Vector<D>,
         origin: f64,
@@ -69,7 +69,7 @@ impl Overburden {
     }
 
     /// Weight above a depth below the datum, Pa.
-    pub fn weight(&self, depth: f64) -> f64 {
+    pub(crate) fn weight(&self, depth: f64) -> f64 {
         let below = self.layers.partition_point(|layer| layer.0 <= depth);
         let (edge, above, own) = self.layers[below.saturating_sub(1)];
         above + own * (depth - edge)

@@ -46,7 +46,7 @@ impl<const D: usize> CloudOutline<D> {
     ///
     /// # Errors
     /// [`ModelError::Generate`] for more points than can be numbered.
-    pub fn of_large(plan: &Plan) -> Result<Option<Self>, ModelError> {
+    pub(crate) fn of_large(plan: &Plan) -> Result<Option<Self>, ModelError> {
         let Some(outline) = Self::of(&plan.geometry) else {
             return Ok(None);
         };
@@ -110,12 +110,12 @@ impl<const D: usize> CloudOutline<D> {
     }
 
     /// Mean spacing, m.
-    pub fn spacing(&self) -> f64 {
+    pub(crate) fn spacing(&self) -> f64 {
         (self.size.iter().product::<f64>() / self.count).powf(1.0 / D as f64)
     }
 
     /// Smallest and largest spacing, m.
-    pub fn extremes(&self) -> [f64; 2] {
+    pub(crate) fn extremes(&self) -> [f64; 2] {
         self.spread.map(|share| share * self.spacing())
     }
 
@@ -123,7 +123,7 @@ impl<const D: usize> CloudOutline<D> {
     ///
     /// # Errors
     /// [`ModelError::Generate`].
-    pub fn stand_in(&self, horizon: Horizon) -> Result<StandIn<D>, ModelError> {
+    pub(crate) fn stand_in(&self, horizon: Horizon) -> Result<StandIn<D>, ModelError> {
         let coarser = self.coarsening();
         let cells: [usize; D] =
             std::array::from_fn(|axis| (self.along[axis] / coarser).round().max(1.0) as usize);

@@ -158,7 +158,7 @@ impl<const D: usize> Medium<D> {
 
 impl<'a, const D: usize> Surroundings<'a, D> {
     /// Fills the operator at unit mobility.
-    pub fn new(flow: &'a FlowModel<D>, tensor: &'a [PlaneTensor]) -> Self {
+    pub(crate) fn new(flow: &'a FlowModel<D>, tensor: &'a [PlaneTensor]) -> Self {
         let mut values = vec![0.0; flow.pattern.nonzeros()];
         flow.fill_with(&vec![1.0; flow.points()], &mut values);
         Surroundings {
@@ -172,7 +172,7 @@ impl<'a, const D: usize> Surroundings<'a, D> {
     ///
     /// # Errors
     /// [`EffectError::CrampedWell`], [`EffectError::WideHole`].
-    pub fn index(
+    pub(crate) fn index(
         &self,
         plan: &WellPlan,
         bore: Wellbore,

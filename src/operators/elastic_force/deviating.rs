@@ -25,7 +25,10 @@ const NONE: u32 = u32::MAX;
 
 impl Deviating {
     /// All families but those of the stencil.
-    pub fn new<const D: usize>(elastic: &Elastic<D>, lattice: Option<&LatticeForce<D>>) -> Self {
+    pub(crate) fn new<const D: usize>(
+        elastic: &Elastic<D>,
+        lattice: Option<&LatticeForce<D>>,
+    ) -> Self {
         let families = &elastic.around.families;
         let deviates = |point: usize| lattice.is_none_or(|own| !own.regular[point]);
         let mut own = Deviating {
@@ -52,19 +55,19 @@ impl Deviating {
     }
 
     /// Whether all families are those of a stencil.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.owners.is_empty()
     }
 
     /// Room for the forces of all bonds.
-    pub fn prepare<const D: usize>(&self, work: &mut Work<D>) {
+    pub(crate) fn prepare<const D: usize>(&self, work: &mut Work<D>) {
         let bonds = self.offsets.last().map_or(0, |last| *last as usize);
         work.forces = vec![Vector::zeros(); bonds];
         work.near = vec![Vector::zeros(); self.near.len()];
     }
 
     /// First pass: forces of all bonds, N.
-    pub fn first_pass<const D: usize>(
+    pub(crate) fn first_pass<const D: usize>(
         &self,
         elastic: &Elastic<D>,
         displacement: &[f64],
@@ -82,7 +85,7 @@ impl Deviating {
     }
 
     /// Second pass: K u of the points that see such families.
-    pub fn second_pass<const D: usize>(
+    pub(crate) fn second_pass<const D: usize>(
         &self,
         elastic: &Elastic<D>,
         lattice: Option<&LatticeForce<D>>,
@@ -118,7 +121,7 @@ impl Deviating {
     }
 
     /// Bytes held.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         4 * (self.owners.len() + self.offsets.len() + self.place.len() + self.near.len())
     }
 }

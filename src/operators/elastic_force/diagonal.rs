@@ -9,7 +9,7 @@ use crate::operators::{Elastic, Lame};
 ///
 /// A point with weight g in the strain of a family and g̃ in its plain gradient adds V ((λ + μ) g_a² + μ g²) and
 /// h (m − g̃ K g̃), m being ω V of its bond, or their sum for the owner. Families of layers count as their stiffest one.
-pub fn diagonal<const D: usize>(elastic: &Elastic<D>) -> Vec<f64> {
+pub(crate) fn diagonal<const D: usize>(elastic: &Elastic<D>) -> Vec<f64> {
     let around = &elastic.around;
     let families = &around.families;
     let shape = |inverse: &Matrix<D>| inverse.try_inverse().unwrap_or_else(Matrix::zeros);

@@ -39,7 +39,7 @@ const SAME: f64 = 1e-10;
 
 impl<const D: usize> LatticeForce<D> {
     /// `None` where points are no lattice, or have no stencil in common.
-    pub fn new(elastic: &Elastic<D>) -> Option<Self> {
+    pub(crate) fn new(elastic: &Elastic<D>) -> Option<Self> {
         let families = &elastic.around.families;
         if families.share.partition().is_some() || !elastic.has_plain_gradient() {
             return None;
@@ -142,7 +142,7 @@ impl<const D: usize> LatticeForce<D> {
     }
 
     /// Room for a field of displacements and one of stresses.
-    pub fn prepare(&self, work: &mut Work<D>) {
+    pub(crate) fn prepare(&self, work: &mut Work<D>) {
         let (stress, displacement) = self.widths();
         let lines = self.padding.lines();
         work.displacement = vec![0.0; lines * displacement + MOST_LANES];
@@ -154,7 +154,12 @@ impl<const D: usize> LatticeForce<D> {
     }
 
     /// First pass: T of all regular families, and what the own family of a point does to it.
-    pub fn first_pass(&self, elastic: &Elastic<D>, displacement: &[f64], work: &mut Work<D>) {
+    pub(crate) fn first_pass(
+        &self,
+        elastic: &Elastic<D>,
+        displacement: &[f64],
+        work: &mut Work<D>,
+    ) {
         self.lay_out(elastic, displacement, work);
         let (stress, width) = self.widths();
         let field = &work.displacement;
@@ -239,13 +244,13 @@ impl<const D: usize> LatticeForce<D> {
     }
 
     /// T of a point.
-    pub fn stress_of(&self, stress: &[f64], point: usize) -> Matrix<D> {
+    pub(crate) fn stress_of(&self, stress: &[f64], point: usize) -> Matrix<D> {
         let site = self.padding.site_of(point);
         Matrix::from_fn(|component, axis| stress[self.stress_at(site, axis) + component])
     }
 
     /// Second pass: K u of all points that only regular families see.
-    pub fn second_pass(&self, work: &Work<D>, result: &mut [f64]) {
+    pub(crate) fn second_pass(&self, work: &Work<D>, result: &mut [f64]) {
         let count = self.padding.counts[0];
         let arch = pulp::Arch::new();
         result
@@ -268,7 +273,7 @@ impl<const D: usize> LatticeForce<D> {
     }
 
     /// Force of the family of a regular point on the end of one of its bonds, N, without the signs of an image.
-    pub fn bond_force(
+    pub(crate) fn bond_force(
         &self,
         elastic: &Elastic<D>,
         (stress, displacement): (&[f64], &[f64]),
@@ -282,7 +287,7 @@ impl<const D: usize> LatticeForce<D> {
     }
 
     /// Bytes held.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let points = self.regular.len();
         let ghosts = size_of_val(self.padding.ghosts.as_slice());
         points * (1 + 8 * (D + 1)) + 8 * self.springs.len() + ghosts

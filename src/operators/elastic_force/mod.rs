@@ -17,7 +17,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::Elastic;
 use crate::geometry::Vector;
 use deviating::Deviating;
-pub use diagonal::diagonal;
+pub(crate) use diagonal::diagonal;
 use lattice::LatticeForce;
 
 /// The force of an elastic operator whose stiffness stays.

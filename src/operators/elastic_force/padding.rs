@@ -37,7 +37,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 impl<const D: usize> Padding<D> {
     /// The points of a cloud as a lattice, first axis fastest, with `horizon` metres around it; `None` if they are none.
-    pub fn of(elastic: &Elastic<D>, horizon: f64) -> Option<Self> {
+    pub(crate) fn of(elastic: &Elastic<D>, horizon: f64) -> Option<Self> {
         let cloud = &elastic.around.cloud;
         let counts = Lattice::of(cloud)?.counts;
         let reach = std::array::from_fn(|axis| {
@@ -59,12 +59,12 @@ impl<const D: usize> Padding<D> {
     }
 
     /// Sites of a line.
-    pub fn length(&self) -> usize {
+    pub(crate) fn length(&self) -> usize {
         self.extent(0)
     }
 
     /// Lines of sites.
-    pub fn lines(&self) -> usize {
+    pub(crate) fn lines(&self) -> usize {
         (1..D).map(|axis| self.extent(axis)).product()
     }
 
@@ -73,7 +73,7 @@ impl<const D: usize> Padding<D> {
     }
 
     /// Site of a point.
-    pub fn site_of(&self, mut point: usize) -> usize {
+    pub(crate) fn site_of(&self, mut point: usize) -> usize {
         let (mut site, mut stride) = (0, 1);
         for axis in 0..D {
             site += stride * (point % self.counts[axis] + self.reach[axis]);
@@ -84,7 +84,7 @@ impl<const D: usize> Padding<D> {
     }
 
     /// Lines and sites along a line by which a step on the lattice moves.
-    pub fn shift(&self, step: [i64; D]) -> (i64, i64) {
+    pub(crate) fn shift(&self, step: [i64; D]) -> (i64, i64) {
         let (mut lines, mut stride) = (0, 1);
         for (axis, own) in step.iter().enumerate().skip(1) {
             lines += own * stride;

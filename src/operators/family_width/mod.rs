@@ -22,7 +22,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use self::family::Widths;
-pub use self::family::{BandLaw, WholeFamily};
+pub(crate) use self::family::{BandLaw, WholeFamily};
 use crate::geometry::{Cloud, Families, Influence, Severed, Subdomain, Vector};
 use crate::material::Lame;
 

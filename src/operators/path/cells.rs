@@ -22,7 +22,7 @@ pub enum Cells {
 
 /// What a bond between two cells carries for unit mobility.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CellFace<const D: usize> {
+pub(crate) struct CellFace<const D: usize> {
     /// Place of the bond in the family that was asked about.
     pub bond: usize,
     /// Conductance of the bond of two cells, both directions together, m^(D−2).
@@ -39,7 +39,7 @@ pub struct CellFace<const D: usize> {
 
 /// The cell of one point.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Cell<const D: usize> {
+pub(crate) struct Cell<const D: usize> {
     /// Its faces, in the order of the family.
     pub faces: Vec<CellFace<D>>,
     /// Its volume, m^D.
@@ -49,10 +49,10 @@ pub struct Cell<const D: usize> {
 }
 
 /// A neighbour and the vector to it, m.
-pub type Arm<const D: usize> = (usize, Vector<D>);
+pub(crate) type Arm<const D: usize> = (usize, Vector<D>);
 
 /// The cell of `owner`, whose family has the given arms.
-pub fn cell_faces<const D: usize>(
+pub(crate) fn cell_faces<const D: usize>(
     cloud: &Cloud<D>,
     cells: Cells,
     owner: usize,
@@ -145,7 +145,7 @@ fn counts<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
 }
 
 /// Whether the points of a grid run along x first, then along the other axes; those of blocks do not.
-pub fn runs_along_axes<const D: usize>(cloud: &Cloud<D>) -> bool {
+pub(crate) fn runs_along_axes<const D: usize>(cloud: &Cloud<D>) -> bool {
     counts(cloud).iter().product::<usize>() == cloud.len()
 }
 
@@ -160,7 +160,7 @@ fn strides<const D: usize>(cloud: &Cloud<D>) -> [usize; D] {
 ///
 /// # Errors
 /// As [`Families::of`].
-pub fn grid_families<const D: usize>(
+pub(crate) fn grid_families<const D: usize>(
     cloud: &Cloud<D>,
     images: ImageTable<D>,
     share: Subdomain,

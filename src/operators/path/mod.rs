@@ -13,9 +13,9 @@ mod tessellation;
 mod voronoi;
 
 use cells::CellFace;
-pub use cells::{Arm, Cells, cell_faces, grid_families, runs_along_axes};
-pub use tensor::PlaneTensor;
-pub use tessellation::Tessellation;
+pub(crate) use cells::{Arm, Cells, cell_faces, grid_families, runs_along_axes};
+pub(crate) use tensor::PlaneTensor;
+pub(crate) use tessellation::Tessellation;
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ use crate::geometry::{Cloud, Families, GeometryError, Influence, Side, Vector};
 
 /// Path diffusion operator.
 #[derive(Debug, Clone)]
-pub struct Path<const D: usize> {
+pub(crate) struct Path<const D: usize> {
     around: Arc<Neighbourhood<D>>,
     /// Conductance per unit mobility where all cells are alike: half of c_ij, since every bond is in the
     /// families of both its ends, shape `(bonds,)`, m^(D−2).
@@ -49,7 +49,7 @@ impl<const D: usize> Path<D> {
     ///
     /// # Errors
     /// As [`Families::search`](crate::geometry::Families::search).
-    pub fn new(
+    pub(crate) fn new(
         cloud: &Arc<Cloud<D>>,
         found: &Tessellation<D>,
         own_volume: bool,
@@ -109,7 +109,7 @@ impl<const D: usize> Path<D> {
     /// The same with a tensor per unit of the mobility of every point, shape `(n,)`. The cells must be
     /// [`Cells::Oblique`], in the plane, with images beyond all sides.
     #[must_use]
-    pub fn with_tensors(mut self, tensors: &[PlaneTensor]) -> Self {
+    pub(crate) fn with_tensors(mut self, tensors: &[PlaneTensor]) -> Self {
         self.tensors = Some(Tensors::new(&self.around, tensors));
         self.share.clear();
         self
@@ -117,7 +117,7 @@ impl<const D: usize> Path<D> {
 
     /// Points with a bond of negative conductance, at mobilities of shape `(n,)`: pressures near them may leave the
     /// range of what they come from. Only strong tensors that are not along the axes have any.
-    pub fn signed(&self, mobility: &[f64]) -> usize {
+    pub(crate) fn signed(&self, mobility: &[f64]) -> usize {
         let families = &self.around.families;
         let tensors = self.tensors.as_ref();
         tensors.map_or(0, |tensors| tensors.signed(families, mobility))

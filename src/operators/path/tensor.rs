@@ -11,7 +11,7 @@ use super::super::Neighbourhood;
 use crate::geometry::Families;
 
 /// A symmetric tensor in the plane: xx, yy, xy.
-pub type PlaneTensor = [f64; 3];
+pub(crate) type PlaneTensor = [f64; 3];
 
 /// Steps to the cells around one, and the number of each in [`Tensors::around`].
 const RING: [[i8; 2]; 8] = [

@@ -7,7 +7,7 @@ use crate::geometry::{Cloud, Families, GeometryError};
 
 /// Families, and the cell of every point that is held here.
 #[derive(Debug, Clone)]
-pub struct Tessellation<const D: usize> {
+pub(crate) struct Tessellation<const D: usize> {
     /// The families given, or wider ones where these do not hold every face.
     pub families: Families<D>,
     /// How the cells are known.
@@ -26,7 +26,7 @@ impl<const D: usize> Tessellation<D> {
     ///
     /// # Errors
     /// As [`Families::search`].
-    pub fn new(
+    pub(crate) fn new(
         cloud: &Cloud<D>,
         families: Families<D>,
         kind: Cells,

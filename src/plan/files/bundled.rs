@@ -5,7 +5,7 @@ use std::path::Path;
 use super::FileError;
 
 /// What names of bundled files begin with.
-pub const BUNDLED: &str = "bundled:";
+pub(crate) const BUNDLED: &str = "bundled:";
 
 /// Name and content of every bundled file.
 const FILES: &[(&str, &[u8])] = &[(

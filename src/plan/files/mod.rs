@@ -18,13 +18,16 @@ mod vtu;
 use std::io;
 use std::path::Path;
 
-pub use bundled::BUNDLED;
-pub use error::{FileError, Place, ValueFault};
-pub use mesh::{MeshTable, PointSet, read_mesh};
-pub use order::{FieldTable, check_cells, check_length};
-pub use property::Property;
+pub(crate) use bundled::BUNDLED;
+pub use error::FileError;
+pub(crate) use error::{Place, ValueFault};
+pub use mesh::PointSet;
+pub(crate) use mesh::{MeshTable, read_mesh};
+pub use order::check_length;
+pub(crate) use order::{FieldTable, check_cells};
+pub(crate) use property::Property;
 pub use table::{PointTable, TableError};
-pub use values::{Allowed, fault};
+pub(crate) use values::{Allowed, fault};
 pub use vtu::{PointFields, read_array, read_fields};
 
 /// Reads points from a `.csv` or `.vtu` file.
@@ -41,7 +44,7 @@ pub use vtu::{PointFields, read_array, read_fields};
 /// # Errors
 /// [`FileError`] for a file that cannot be read, has another format, lacks a column, or holds a
 /// position that is not finite or a volume or permeability that is not positive.
-pub fn read_points(path: &Path) -> Result<PointTable, FileError> {
+pub(crate) fn read_points(path: &Path) -> Result<PointTable, FileError> {
     match extension(path)?.as_str() {
         "csv" => csv::read_points(path, &read_bytes(path)?),
         "vtu" => vtu::read_points(path, &read_bytes(path)?),
@@ -58,7 +61,7 @@ pub fn read_points(path: &Path) -> Result<PointTable, FileError> {
 /// # Errors
 /// [`FileError`] for a file that cannot be read, has another format, lacks the column, or holds a
 /// value that makes no sense.
-pub fn read_field(
+pub(crate) fn read_field(
     path: &Path,
     column: Option<&str>,
     property: Property,

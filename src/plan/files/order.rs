@@ -6,7 +6,7 @@ use super::FileError;
 
 /// Values of a property from a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FieldTable {
+pub(crate) struct FieldTable {
     /// The values, SI; those of an array in C order (last index fastest).
     pub values: Vec<f64>,
     /// Shape of the array; `None` for a column of a table.
@@ -22,7 +22,7 @@ impl FieldTable {
     ///
     /// # Errors
     /// [`FileError::Shape`] for an array of another shape.
-    pub fn in_point_order(
+    pub(crate) fn in_point_order(
         self,
         path: &Path,
         cells: Option<&[usize]>,
@@ -57,7 +57,7 @@ pub fn check_length(path: &str, found: usize, points: usize) -> Result<(), FileE
 ///
 /// # Errors
 /// [`FileError::Cells`].
-pub fn check_cells(path: &str, found: usize, cells: &[usize]) -> Result<(), FileError> {
+pub(crate) fn check_cells(path: &str, found: usize, cells: &[usize]) -> Result<(), FileError> {
     let all = cells
         .iter()
         .try_fold(1_usize, |all, &own| all.checked_mul(own));

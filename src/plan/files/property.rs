@@ -4,7 +4,7 @@ use super::Allowed;
 
 /// What is read from a file, and which values make sense.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Property {
+pub(crate) struct Property {
     /// Name, which is that of the key in the scene.
     pub key: &'static str,
     /// SI unit as names of columns have it, `m2`; `None` for plain numbers.
@@ -18,19 +18,19 @@ const MOST_RATIO: f64 = 0.499_999;
 
 impl Property {
     /// Intrinsic permeability, m².
-    pub const PERMEABILITY: Self = Self::positive("permeability", "m2");
+    pub(crate) const PERMEABILITY: Self = Self::positive("permeability", "m2");
     /// Storage, 1/Pa.
-    pub const STORAGE: Self = Self::positive("storage", "1/Pa");
+    pub(crate) const STORAGE: Self = Self::positive("storage", "1/Pa");
     /// Bulk modulus of the rock, Pa.
-    pub const BULK_MODULUS: Self = Self::positive("bulk_modulus", "Pa");
+    pub(crate) const BULK_MODULUS: Self = Self::positive("bulk_modulus", "Pa");
     /// Young's modulus, Pa.
-    pub const YOUNGS_MODULUS: Self = Self::positive("youngs_modulus", "Pa");
+    pub(crate) const YOUNGS_MODULUS: Self = Self::positive("youngs_modulus", "Pa");
     /// Density, kg/m³.
-    pub const DENSITY: Self = Self::positive("density", "kg/m3");
+    pub(crate) const DENSITY: Self = Self::positive("density", "kg/m3");
     /// Fracture energy, J/m².
-    pub const FRACTURE_ENERGY: Self = Self::positive("fracture_energy", "J/m2");
+    pub(crate) const FRACTURE_ENERGY: Self = Self::positive("fracture_energy", "J/m2");
     /// Porosity.
-    pub const POROSITY: Self = Self {
+    pub(crate) const POROSITY: Self = Self {
         key: "porosity",
         unit: None,
         allowed: Allowed::Share {
@@ -39,7 +39,7 @@ impl Property {
         },
     };
     /// Biot's coefficient.
-    pub const BIOT_COEFFICIENT: Self = Self {
+    pub(crate) const BIOT_COEFFICIENT: Self = Self {
         key: "biot_coefficient",
         unit: None,
         allowed: Allowed::UpTo {
@@ -48,7 +48,7 @@ impl Property {
         },
     };
     /// Poisson's ratio.
-    pub const POISSONS_RATIO: Self = Self {
+    pub(crate) const POISSONS_RATIO: Self = Self {
         key: "poissons_ratio",
         unit: None,
         allowed: Allowed::UpTo {

@@ -6,7 +6,7 @@ use super::{FileError, Place, ValueFault};
 
 /// The numbers a quantity may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Allowed {
+pub(crate) enum Allowed {
     /// Any finite number.
     Finite,
     /// Finite and greater than zero.
@@ -54,7 +54,7 @@ pub(super) fn check(
 }
 
 /// What is wrong with a value, if anything is.
-pub fn fault(value: f64, allowed: Allowed) -> Option<ValueFault> {
+pub(crate) fn fault(value: f64, allowed: Allowed) -> Option<ValueFault> {
     if value.is_nan() {
         return Some(ValueFault::Nan);
     }

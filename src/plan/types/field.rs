@@ -65,7 +65,7 @@ impl FieldPlan {
 
 /// Positive values with their logarithms stretched about the middle of their range, until the largest is
 /// `contrast` times the smallest; `None` if they are all the same.
-pub fn with_contrast(values: &[f64], contrast: f64) -> Option<Vec<f64>> {
+pub(crate) fn with_contrast(values: &[f64], contrast: f64) -> Option<Vec<f64>> {
     let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
     let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
     let high = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);

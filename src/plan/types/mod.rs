@@ -14,9 +14,9 @@ use std::path::PathBuf;
 
 use perifrac_solvers::SolverSpec;
 
+pub(crate) use crate::scene::Interfaces as InterfaceChoice;
 pub use crate::scene::{
-    Gradient as GradientChoice, Interfaces as InterfaceChoice, Mode as TimeMode,
-    Operator as OperatorChoice, ReferenceKind,
+    Gradient as GradientChoice, Mode as TimeMode, Operator as OperatorChoice, ReferenceKind,
 };
 pub use crack::{CrackKind, CrackPlace, CrackPlan, InjectionPlan};
 pub use damage::{
@@ -24,7 +24,8 @@ pub use damage::{
     HourglassRule, Normalise, TransmissivityRule,
 };
 pub use descent::DescentSettings;
-pub use field::{FieldPlan, with_contrast};
+pub use field::FieldPlan;
+pub(crate) use field::with_contrast;
 pub use initial::InitialPlan;
 pub use material::{ElasticityPlan, MaterialPlan, PermeabilityPlan, PorousPlan, StoragePlan};
 pub use mechanics::{CouplingPlan, MechanicsPlan, Support, TractionPlan};

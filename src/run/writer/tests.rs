@@ -40,7 +40,7 @@ const COUPLED: [&str; 6] = [
 ];
 
 /// The block with `--set` values.
-pub fn plan(overrides: &[&str]) -> Plan {
+pub(crate) fn plan(overrides: &[&str]) -> Plan {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     let loaded = load_str("solid.toml", SOLID, Path::new(""), &overrides);
     let loaded = loaded.unwrap_or_else(|errors| panic!("{errors}"));

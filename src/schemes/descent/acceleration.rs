@@ -19,7 +19,7 @@ pub(crate) struct AndersonAcceleration {
 
 impl AndersonAcceleration {
     /// Remembers few passes at first.
-    pub fn new(settings: DescentSettings) -> Self {
+    pub(crate) fn new(settings: DescentSettings) -> Self {
         AndersonAcceleration {
             depth: settings.anderson_depth,
             settings,
@@ -30,14 +30,14 @@ impl AndersonAcceleration {
     }
 
     /// Forgets all passes.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.past.clear();
         self.extrapolation = 0.0;
         self.reach = self.settings.extrapolation;
     }
 
     /// Where to go on after a pass led from `start` to `end`; `None` before there are two of them.
-    pub fn next(&mut self, start: Vec<f64>, end: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn next(&mut self, start: Vec<f64>, end: &[f64]) -> Option<Vec<f64>> {
         let went = difference(end, &start);
         let size = norm2(&went);
         if self.past.last().is_some_and(|(_, last)| size > norm2(last)) {

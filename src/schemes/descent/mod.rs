@@ -51,7 +51,7 @@ impl<const D: usize> Trial<D> {
     ///
     /// # Errors
     /// [`StepError::NotFinite`] with the place of the first force that is no number.
-    pub fn imbalance(&self, scale: f64, state: &State) -> Result<f64, StepError> {
+    pub(crate) fn imbalance(&self, scale: f64, state: &State) -> Result<f64, StepError> {
         let left: f64 = self.force.iter().map(|f| f.abs()).sum();
         if left.is_finite() {
             return Ok(left / self.scale.max(scale).max(f64::MIN_POSITIVE));
@@ -118,7 +118,7 @@ pub(super) struct Descent {
 
 impl Descent {
     /// As damage is to be found.
-    pub fn new(damage: &DamagePlan) -> Self {
+    pub(crate) fn new(damage: &DamagePlan) -> Self {
         Descent {
             settings: damage.descent,
             policy: TangentPolicy::new(damage.method, damage.descent),
@@ -130,7 +130,7 @@ impl Descent {
     ///
     /// # Errors
     /// Those of the energy.
-    pub fn pass<const D: usize>(
+    pub(crate) fn pass<const D: usize>(
         &mut self,
         energy: &mut impl Energy<D>,
         state: &mut State,

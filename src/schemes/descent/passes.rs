@@ -160,28 +160,28 @@ impl PassMonitor {
     }
 
     /// The larger of what is out of balance, forces and fluid, over what is allowed.
-    pub fn off(&self, left: &Residuals) -> f64 {
+    pub(crate) fn off(&self, left: &Residuals) -> f64 {
         let mass = left.mass / left.allowed[0].max(f64::MIN_POSITIVE);
         (left.forces / self.tolerance).max(mass)
     }
 
     /// Whether passes have made no progress for a while.
-    pub fn is_stuck(&self) -> bool {
+    pub(crate) fn is_stuck(&self) -> bool {
         self.stuck >= self.settings.stagnant_passes
     }
 
     /// Share of a pass to take.
-    pub fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         self.share
     }
 
     /// Forces out of balance before the pass.
-    pub fn imbalance(&self) -> f64 {
+    pub(crate) fn imbalance(&self) -> f64 {
         self.imbalance[0]
     }
 
     /// Forces out of balance, relative to those before the last pass; 0 before the first.
-    pub fn contraction(&self) -> f64 {
+    pub(crate) fn contraction(&self) -> f64 {
         self.imbalance[0] / self.imbalance[1]
     }
 

@@ -13,7 +13,7 @@ pub(crate) struct PreconditionerReuse {
 
 impl PreconditionerReuse {
     /// Nothing is known yet; renewing costs so many iterations.
-    pub fn new(cost: usize) -> Self {
+    pub(crate) fn new(cost: usize) -> Self {
         PreconditionerReuse {
             cost,
             fresh: None,
@@ -26,7 +26,7 @@ impl PreconditionerReuse {
     ///
     /// # Errors
     /// [`SolveError`] of a solve with what belongs to the matrix.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         (solver, matrix, moved): (&mut dyn LinearSolver, CsrView<'_>, bool),
         rhs: &[f64],
@@ -51,7 +51,7 @@ impl PreconditionerReuse {
     }
 
     /// The next solve renews.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         *self = PreconditionerReuse::new(self.cost);
     }
 

@@ -60,7 +60,7 @@ impl<const D: usize> Moduli<D> for Damaged<'_, D> {
 
 impl<const D: usize> TangentMatrix<D> {
     /// Matrix of intact rock, not filled yet.
-    pub fn new(solid: &SolidModel<D>, settings: &DescentSettings) -> Self {
+    pub(crate) fn new(solid: &SolidModel<D>, settings: &DescentSettings) -> Self {
         let tangents = solid
             .elastic
             .lame
@@ -79,12 +79,12 @@ impl<const D: usize> TangentMatrix<D> {
     }
 
     /// Makes the next update fill all rows, so that they do not depend on earlier ones.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.stale = true;
     }
 
     /// Brings the matrix to a response; false if nothing moved.
-    pub fn update(
+    pub(crate) fn update(
         &mut self,
         solid: &SolidModel<D>,
         damage: &Damage<D>,
@@ -134,7 +134,7 @@ impl<const D: usize> TangentMatrix<D> {
 
     /// Softening −q of a point (1/Pa) and the derivative of its driving energy by the bond differences of its family,
     /// N; nothing where it does not soften.
-    pub fn softening(&self, elastic: &Elastic<D>, owner: usize) -> (f64, &[Vector<D>]) {
+    pub(crate) fn softening(&self, elastic: &Elastic<D>, owner: usize) -> (f64, &[Vector<D>]) {
         match self.tangents[owner].softening {
             softening if softening < 0.0 => {
                 let family = elastic.around.families.family(owner);
@@ -145,7 +145,7 @@ impl<const D: usize> TangentMatrix<D> {
     }
 
     /// Forces on the points where the walls move by `moves` (m) and the points do not, N.
-    pub fn wall_push(&self, solid: &SolidModel<D>, moves: &[f64]) -> Vec<f64> {
+    pub(crate) fn wall_push(&self, solid: &SolidModel<D>, moves: &[f64]) -> Vec<f64> {
         let still = vec![0.0; solid.unknowns()];
         let moved = |owner, bond| solid.difference(&still, moves, owner, bond);
         let mut forces = solid.elastic.bond_forces_of(moved, |owner, strain| {

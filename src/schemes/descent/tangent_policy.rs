@@ -15,7 +15,7 @@ pub(crate) struct TangentPolicy {
 
 impl TangentPolicy {
     /// As the method asks.
-    pub fn new(method: DamageMethod, settings: DescentSettings) -> Self {
+    pub(crate) fn new(method: DamageMethod, settings: DescentSettings) -> Self {
         TangentPolicy {
             method,
             settings,
@@ -25,7 +25,7 @@ impl TangentPolicy {
     }
 
     /// Tangent of the next iteration at a relative imbalance of forces.
-    pub fn next(&mut self, imbalance: f64) -> TangentKind {
+    pub(crate) fn next(&mut self, imbalance: f64) -> TangentKind {
         self.rest = self.rest.saturating_sub(1);
         match self.method {
             DamageMethod::Alternate => TangentKind::Secant,
@@ -38,7 +38,7 @@ impl TangentPolicy {
     }
 
     /// Judges a direction by how far it led down; `None` if it did not.
-    pub fn judge(&mut self, tried: TangentKind, length: Option<f64>) {
+    pub(crate) fn judge(&mut self, tried: TangentKind, length: Option<f64>) {
         // An indefinite tangent may lead down by next to nothing for ever.
         if tried == TangentKind::Consistent
             && length.is_none_or(|length| length < self.settings.least_newton_step)
@@ -48,7 +48,7 @@ impl TangentPolicy {
     }
 
     /// Newton's tangent led nowhere.
-    pub fn failed(&mut self) {
+    pub(crate) fn failed(&mut self) {
         self.failures += 1;
         self.rest = self.settings.newton_rest;
     }

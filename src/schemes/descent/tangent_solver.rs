@@ -28,7 +28,7 @@ impl<const D: usize> TangentSolver<D> {
     ///
     /// # Errors
     /// [`StepError`] if it is refused.
-    pub fn new(
+    pub(crate) fn new(
         demand: &Demand,
         problem: &Problem<'_>,
         solid: &SolidModel<D>,
@@ -49,7 +49,7 @@ impl<const D: usize> TangentSolver<D> {
     ///
     /// # Errors
     /// [`StepError::MissingPart`] without damage.
-    pub fn follow(
+    pub(crate) fn follow(
         &mut self,
         solid: &SolidModel<D>,
         state: &State,
@@ -66,7 +66,7 @@ impl<const D: usize> TangentSolver<D> {
     ///
     /// # Errors
     /// [`StepError`] if the solver refuses.
-    pub fn solve(&mut self, force: &[f64], tolerance: f64) -> Result<Vec<f64>, StepError> {
+    pub(crate) fn solve(&mut self, force: &[f64], tolerance: f64) -> Result<Vec<f64>, StepError> {
         let mut displacement = vec![0.0; force.len()];
         let matrix = self.tangent.matrix.view();
         let solver = &mut *self.solver;
@@ -81,7 +81,7 @@ impl<const D: usize> TangentSolver<D> {
     ///
     /// # Errors
     /// [`StepError`] if the solver refuses.
-    pub fn solve_with(
+    pub(crate) fn solve_with(
         &mut self,
         matrix: CsrView<'_>,
         rhs: &[f64],
@@ -107,7 +107,7 @@ impl<const D: usize> TangentSolver<D> {
     }
 
     /// Forgets all that lags behind: it does so within a step only.
-    pub fn begin_anew(&mut self) {
+    pub(crate) fn begin_anew(&mut self) {
         self.tangent.forget();
         self.reuse.forget();
         self.solver.begin_anew();
@@ -115,7 +115,7 @@ impl<const D: usize> TangentSolver<D> {
     }
 
     /// What the solver did.
-    pub fn counters(&self) -> perifrac_solvers::SolverCounters {
+    pub(crate) fn counters(&self) -> perifrac_solvers::SolverCounters {
         self.solver.counters().clone()
     }
 }

@@ -11,7 +11,7 @@ use crate::schemes::descent::TangentMatrix;
 use crate::schemes::layout::Layout;
 
 /// The monolithic matrix with the place of every entry of its blocks.
-pub struct FractureBlock {
+pub(crate) struct FractureBlock {
     /// Where the blocks lie.
     pub layout: Layout,
     /// The matrix as last filled.
@@ -30,7 +30,7 @@ impl FractureBlock {
     ///
     /// # Errors
     /// [`StepError::Pattern`] for a matrix that is too large.
-    pub fn new<const D: usize>(
+    pub(crate) fn new<const D: usize>(
         flow: &FlowModel<D>,
         solid: &SolidModel<D>,
         coupling: &Coupling,
@@ -46,7 +46,7 @@ impl FractureBlock {
     }
 
     /// Fills in the stiffness `values`, Q and S + a L, with fixed pressures cut off.
-    pub fn fill<const D: usize>(
+    pub(crate) fn fill<const D: usize>(
         &mut self,
         stiffness: &[f64],
         solid: &SolidModel<D>,
@@ -98,7 +98,7 @@ impl FractureBlock {
     ///
     /// With the factors β of the pressures in the traction, strain and pressures bring the opening at fixed damage,
     /// and by the softening of damage with the derivative of the driving energy.
-    pub fn add_cracks<const D: usize>(
+    pub(crate) fn add_cracks<const D: usize>(
         &mut self,
         solid: &SolidModel<D>,
         cracks: &CrackFlow<D>,
@@ -171,7 +171,7 @@ impl FractureBlock {
     }
 
     /// Cuts off the pressures of points, which stay as they are.
-    pub fn hold_pressures(&mut self, points: impl Iterator<Item = usize>) {
+    pub(crate) fn hold_pressures(&mut self, points: impl Iterator<Item = usize>) {
         let width = self.layout.dimension + 1;
         for row in points.map(|point| point * width + width - 1) {
             let columns = self.matrix.indptr().outer_inds_sz(row);

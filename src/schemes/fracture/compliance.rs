@@ -21,7 +21,7 @@ const AT_REST: f64 = 1e-9;
 
 /// β V per point, m^D/Pa.
 #[derive(Debug, Default)]
-pub struct Compliance {
+pub(crate) struct Compliance {
     /// The storage, shape `(n,)`.
     pub storage: Vec<f64>,
     /// Largest ratio of it to what the pores store themselves.
@@ -37,7 +37,7 @@ impl Compliance {
     ///
     /// # Errors
     /// Those of `equilibrate`.
-    pub fn follow<const D: usize>(
+    pub(crate) fn follow<const D: usize>(
         &mut self,
         model: &Model<D>,
         state: &State,

@@ -31,7 +31,7 @@ enum Damping {
 
 impl<'a> Motion<'a> {
     /// At rest, with the local stiffness of the last relaxation.
-    pub fn new(
+    pub(crate) fn new(
         mass: &'a [f64],
         unknowns: usize,
         options: &SchemeOptions,
@@ -53,7 +53,7 @@ impl<'a> Motion<'a> {
     }
 
     /// The local stiffness that the next relaxation starts with, if it is used.
-    pub fn stiffness(self) -> Option<Vec<f64>> {
+    pub(crate) fn stiffness(self) -> Option<Vec<f64>> {
         match self.damping {
             Damping::Local { stiffness, .. } => Some(stiffness),
             Damping::Global(_) => None,
@@ -61,7 +61,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Velocity for the step from the forces at its start.
-    pub fn kick<const D: usize>(&mut self, force: &[f64]) {
+    pub(crate) fn kick<const D: usize>(&mut self, force: &[f64]) {
         match &self.damping {
             // Lines 13 and 14 of Algorithm 2.
             Damping::Local { stiffness, .. } => {
@@ -94,7 +94,12 @@ impl<'a> Motion<'a> {
     }
 
     /// What the forces at both ends of the step tell about the stiffness.
-    pub fn measure<const D: usize>(&mut self, before: &[f64], after: &[f64], displacement: &[f64]) {
+    pub(crate) fn measure<const D: usize>(
+        &mut self,
+        before: &[f64],
+        after: &[f64],
+        displacement: &[f64],
+    ) {
         self.quotient = quotient::<D>(self.mass, &self.velocity, (before, after));
         let (mass, velocity) = (self.mass, &self.velocity);
         match &mut self.damping {
@@ -117,7 +122,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Energy of what is out of balance by `force`, N, if it is as soft as what moved in the last step, J.
-    pub fn energy<const D: usize>(&self, force: &[f64]) -> f64 {
+    pub(crate) fn energy<const D: usize>(&self, force: &[f64]) -> f64 {
         let points = force.chunks_exact(D).zip(self.mass);
         let square = |force: &[f64]| force.iter().map(|f| f * f).sum::<f64>();
         let pushed: f64 = points.map(|(force, mass)| square(force) / mass).sum();

@@ -13,7 +13,7 @@ use std::path::Path;
 
 use super::{FileError, extension, read_bytes, vtu, wrong_extension};
 
-pub use points::MeshTable;
+pub(crate) use points::MeshTable;
 pub use sets::PointSet;
 
 /// A mesh as a file has it.
@@ -156,7 +156,7 @@ impl ElementKind {
 /// # Errors
 /// [`FileError`] for a file that cannot be read, has another format, curved or folded elements, or a surface that is
 /// no plane of constant z.
-pub fn read_mesh(path: &Path, unit: f64) -> Result<MeshTable, FileError> {
+pub(crate) fn read_mesh(path: &Path, unit: f64) -> Result<MeshTable, FileError> {
     let mesh = match extension(path)?.as_str() {
         "msh" => msh::read(path, &read_bytes(path)?)?,
         "inp" => inp::read(path, &read_bytes(path)?)?,

@@ -11,7 +11,7 @@ use crate::plan::files::{FileError, PointTable};
 
 /// Points in SI units, with what a mesh tells of them beyond places and volumes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MeshTable {
+pub(crate) struct MeshTable {
     /// The points.
     pub table: PointTable,
     /// Smallest and largest coordinates of the cells, m.

@@ -91,7 +91,7 @@ pub(super) struct Iterate<const D: usize> {
 
 impl<'a, const D: usize> EliminatedPasses<'a, D> {
     /// Before the first pass, with the model at the coefficients of the step's start.
-    pub fn new(
+    pub(crate) fn new(
         step: &'a mut FractureFlowStep<D>,
         model: &'a mut Model<D>,
         start: &'a StepStart<'a>,

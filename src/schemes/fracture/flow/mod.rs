@@ -35,7 +35,7 @@ use crate::schemes::{
     ImplicitSystem, Memory, Scheme, SchemeCounters, SolidSolver, State, StepError, StepReport,
     coupling_of, flow_of, solid_of,
 };
-pub use stored::{StepStart, close, fill_broken};
+pub(crate) use stored::{StepStart, close, fill_broken};
 
 use coupled::CoupledPasses;
 use eliminated::EliminatedPasses;

@@ -6,7 +6,7 @@ use crate::schemes::implicit::weighted_flows;
 use crate::schemes::{State, StepError, StepReport, flow_of};
 
 /// Where a step starts.
-pub struct StepStart<'a> {
+pub(crate) struct StepStart<'a> {
     /// The state.
     pub state: &'a State,
     /// What points hold there, m^D, shape `(n,)`; empty where that does not follow from a state.
@@ -17,7 +17,7 @@ pub struct StepStart<'a> {
 
 impl<'a> StepStart<'a> {
     /// A step of `dt` seconds from a state, with the model at its coefficients.
-    pub fn new<const D: usize>(model: &Model<D>, state: &'a State, dt: f64) -> Self {
+    pub(crate) fn new<const D: usize>(model: &Model<D>, state: &'a State, dt: f64) -> Self {
         let response = model.crack_response(&state.view());
         let held = response.map_or_else(Vec::new, |own| model.held(&state.view(), Some(&own)));
         StepStart { state, held, dt }
@@ -49,7 +49,7 @@ pub(super) fn stored_increment<const D: usize>(
 ///
 /// # Errors
 /// [`StepError::MissingPart`] without flow.
-pub fn close<const D: usize>(
+pub(crate) fn close<const D: usize>(
     model: &Model<D>,
     start: &StepStart<'_>,
     (new, response): (&State, Option<&Response<D>>),
@@ -71,7 +71,7 @@ pub fn close<const D: usize>(
 
 /// Gives what is broken by a response to a state fluid of its own, `in_balance` at the pressure that broke it and else at
 /// that of the pores.
-pub fn fill_broken<const D: usize>(
+pub(crate) fn fill_broken<const D: usize>(
     model: &mut Model<D>,
     response: Option<&Response<D>>,
     state: &mut State,

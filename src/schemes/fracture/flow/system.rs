@@ -27,7 +27,7 @@ impl<const D: usize> FractureSystem<D> {
     ///
     /// # Errors
     /// [`StepError`] if it is refused.
-    pub fn new(
+    pub(crate) fn new(
         plan: &Plan,
         damage: &DamagePlan,
         model: &Model<D>,
@@ -71,17 +71,17 @@ impl<const D: usize> FractureSystem<D> {
     }
 
     /// Whether there is a matrix of both fields.
-    pub fn is_coupled(&self) -> bool {
+    pub(crate) fn is_coupled(&self) -> bool {
         self.block.is_some()
     }
 
     /// Residual of the systems of the first pass of a step, after that of the last one.
-    pub fn relax(&mut self) {
+    pub(crate) fn relax(&mut self) {
         self.forcing = (10.0 * self.forcing).min(self.settings.coupled_forcing);
     }
 
     /// A smaller residual, but not below `least`.
-    pub fn sharpen(&mut self, least: f64) {
+    pub(crate) fn sharpen(&mut self, least: f64) {
         self.forcing = (0.1 * self.forcing).max(least);
     }
 
@@ -90,7 +90,7 @@ impl<const D: usize> FractureSystem<D> {
     ///
     /// # Errors
     /// [`StepError`] if the solver refuses, or where fields take turns.
-    pub fn solve_together(
+    pub(crate) fn solve_together(
         &mut self,
         model: &Model<D>,
         state: &State,
@@ -133,7 +133,7 @@ impl<const D: usize> FractureSystem<D> {
     ///
     /// # Errors
     /// [`StepError`] if the solver refuses.
-    pub fn solve_alone(
+    pub(crate) fn solve_alone(
         &mut self,
         model: &Model<D>,
         state: &State,
