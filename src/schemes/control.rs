@@ -66,6 +66,13 @@ impl StepControl {
         }
     }
 
+    /// Whether steps stay as long as they are until more of them is worth a new factor. They then go by the last error
+    /// alone. The proportional part is for steps that change every time: with it, steps of Terzaghi's column grew only
+    /// once their error was 1/500 of the tolerance, and what the error rose by with the growth cut the next step.
+    fn keeps(&self) -> bool {
+        self.worthwhile > 1.0
+    }
+
     /// Step to try next, s.
     pub fn dt(&self) -> f64 {
         self.dt
@@ -95,9 +102,15 @@ impl StepControl {
         if tried < 0.999 * self.dt {
             return true;
         }
-        let smooth = self.previous.map_or(1.0, |p: f64| p.powf(0.4 / self.order));
-        let exponent = if self.previous.is_some() { 0.7 } else { 1.0 };
-        let factor = CAUTION * scaled.powf(-exponent / self.order) * smooth;
+        let factor = CAUTION
+            * match self.keeps() {
+                true => scaled.powf(-1.0 / self.order),
+                false => {
+                    let smooth = self.previous.map_or(1.0, |p: f64| p.powf(0.4 / self.order));
+                    let exponent = if self.previous.is_some() { 0.7 } else { 1.0 };
+                    scaled.powf(-exponent / self.order) * smooth
+                }
+            };
         self.previous = Some(scaled);
         if factor > self.worthwhile {
             self.dt = (self.dt * factor.min(MOST_GROWTH)).min(self.max);
@@ -141,6 +154,30 @@ mod tests {
         assert!(control.judge(Some(0.5e-4), 1.0));
         assert!((control.dt() - 1.0).abs() < 0.1 || control.dt() < 1.0);
         assert!(control.judge(Some(0.3e-4), control.dt()));
+    }
+
+    /// An error that stays at a tenth of the tolerance leaves room for steps 10^(1/3) as long.
+    #[test]
+    fn steps_grow_at_an_error_that_stays_well_below_the_tolerance() {
+        let mut control = control();
+        for _ in 0..3 {
+            let before = control.dt();
+            assert!(control.judge(Some(0.1e-4), before));
+            let growth = CAUTION * 10.0_f64.cbrt();
+            assert!((control.dt() / before - growth).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_error_that_rises_with_the_step_but_stays_allowed_keeps_the_step() {
+        let mut control = control();
+        assert!(control.judge(Some(0.01e-4), 1.0));
+        let grown = control.dt();
+        assert!(grown > 3.9);
+        for _ in 0..5 {
+            assert!(control.judge(Some(0.6e-4), control.dt()));
+            assert!((control.dt() - grown).abs() < 1e-12);
+        }
     }
 
     #[test]
