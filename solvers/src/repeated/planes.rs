@@ -15,9 +15,8 @@ const MOST_UNKNOWNS: usize = 4;
 /// Rows that are summed in step; four sums of each fill the registers of any processor.
 const WIDE: usize = 16;
 const NARROW: usize = 4;
-/// Rows of a run, on average, from which runs are worth their search: 1.6 M entries on 300 by 20 points take 2.0 ms row
-/// by row and 0.5 ms in runs of 80; in runs of 4 both take as long.
-const WORTHWHILE: usize = 4;
+/// Rows of a run, on average, from which runs are taken: with fewer, rows would be summed one by one.
+const WORTHWHILE: usize = NARROW;
 
 /// The rows in order of planes, by runs of rows that are the same.
 #[derive(Debug, Clone)]

@@ -75,7 +75,7 @@ impl Picture {
         let mut encoder = png::Encoder::new(bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
-        // Cells are of one colour: differences of pixels make files no smaller, and twice as long to write.
+        // Cells are of one colour: differences of pixels make files no smaller on the whole, and take time to find.
         encoder.set_filter(png::Filter::NoFilter);
         encoder
     }
