@@ -1,6 +1,6 @@
 //! What each constant of the walk to equilibrium buys: passes of fracturing cases with one of them changed.
 //!
-//! Words after `--` keep the constants whose name contains one of them, as in `-- near far`.
+//! Words after `--` keep the constants whose name contains one of them, as in `-- near curvature`.
 
 mod support;
 
