@@ -62,6 +62,19 @@ impl<const D: usize> Elastic<D> {
         }
     }
 
+    /// The same with plain weights that agree to the last bit where points are alike, so that rows of matrices repeat.
+    ///
+    /// Their rounding errors agree as well, and add up where some rock is softer by many orders of magnitude.
+    #[must_use]
+    pub fn with_repeated_weights(mut self) -> Self {
+        let plain = Arc::new(Gradient::repeated(&self.around));
+        if self.has_plain_gradient() {
+            self.gradient = plain.clone();
+        }
+        self.plain = plain;
+        self
+    }
+
     /// The same with layers in some families; their hourglass modulus is that of shear across the layers.
     #[must_use]
     pub fn with_layers(mut self, laminate: Laminate<D>) -> Self {
@@ -324,4 +337,45 @@ impl<const D: usize> Elastic<D> {
 #[inline]
 pub(crate) fn point_value<const D: usize>(field: &[f64], point: usize) -> Vector<D> {
     Vector::from_fn(|axis, _| field[point * D + axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::generate::lattice;
+    use crate::geometry::{Families, Horizon, Influence, horizons};
+
+    #[test]
+    fn weights_that_repeat_are_those_by_positions_to_rounding() {
+        let cloud = lattice(Vector::repeat(0.3), Vector::<2>::new(1.3, 0.7), [13, 12]).unwrap();
+        let horizon = horizons(&cloud, Horizon::Ratio(3.015)).unwrap();
+        let families = Arc::new(Families::search(&cloud, horizon).unwrap());
+        let around = Neighbourhood::new(Arc::new(cloud), families, Influence::default());
+        let around = Arc::new(around.unwrap());
+        let plane = MirrorContinuation::new(
+            &around.families.images,
+            &[crate::operators::Parity::Even; 4],
+            &[0.3, 1.6, 0.3, 1.0],
+        );
+        let lame = vec![
+            Lame {
+                lambda: 1.0,
+                mu: 1.0
+            };
+            around.len()
+        ];
+        let extension = vec![plane.clone(), plane];
+        let slow = Elastic::new(around.clone(), None, extension, lame, 1.0);
+        let fast = slow.clone().with_repeated_weights();
+        assert!(fast.has_plain_gradient());
+        let alike = around.families.alike(&around.cloud).unwrap();
+        for (point, first) in alike.into_iter().enumerate() {
+            let own = around.families.family(point);
+            for (bond, other) in own.zip(around.families.family(first as usize)) {
+                assert_eq!(fast.gradient.weight[bond], fast.gradient.weight[other]);
+                let apart = fast.gradient.weight[bond] - slow.gradient.weight[bond];
+                assert!(apart.amax() < 1e-13 * slow.gradient.weight[bond].amax());
+            }
+        }
+    }
 }

@@ -18,8 +18,16 @@ pub struct Gradient<const D: usize> {
 impl<const D: usize> Gradient<D> {
     /// The plain weights ω V_j K⁻¹ ξ.
     pub fn plain(around: &Neighbourhood<D>) -> Self {
-        let alike = around.families.alike(&around.cloud);
-        let weight = of_bonds(&around.families, alike.as_deref(), |owner, bond| {
+        Self::of(around, None)
+    }
+
+    /// The same, those of points that are alike to the last bit.
+    pub fn repeated(around: &Neighbourhood<D>) -> Self {
+        Self::of(around, around.families.alike(&around.cloud).as_deref())
+    }
+
+    fn of(around: &Neighbourhood<D>, alike: Option<&[u32]>) -> Self {
+        let weight = of_bonds(&around.families, alike, |owner, bond| {
             plain_weight(around, owner, bond)
         });
         Gradient { weight }

@@ -17,8 +17,8 @@ use crate::assembly::{
 use crate::effects::{self, Counted, SolidContext};
 use crate::geometry::{Cloud, Families, Matrix, Side, Subdomain, Vector};
 use crate::operators::{
-    Damage, Divergence, Elastic, ElasticForce, FamilyWidths, MirrorContinuation, Neighbourhood,
-    Parity,
+    Damage, Divergence, Elastic, ElasticForce, FamilyWidths, Lame, MirrorContinuation,
+    Neighbourhood, Parity,
 };
 use crate::plan::capability::{System, holds_stiffness};
 use crate::plan::{MechanicsPlan, Plan};
@@ -134,7 +134,12 @@ impl<const D: usize> SolidModel<D> {
         let (laminate, weights) =
             laminate.map_or((None, None), |(own, weights)| (Some(own), weights));
         let gradient = gradient.or(weights);
+        let same = |own: &Lame| [own.lambda, own.mu].map(f64::to_bits);
+        let uniform = lame.windows(2).all(|pair| same(&pair[0]) == same(&pair[1]));
         let mut elastic = Elastic::new(around, gradient, extension, lame, mechanics.hourglass);
+        if uniform && plan.damage.is_none() {
+            elastic = elastic.with_repeated_weights();
+        }
         if let Some(laminate) = laminate {
             elastic = elastic.with_layers(laminate);
         }
