@@ -128,7 +128,8 @@ fn the_solver_of_a_crack_is_the_one_of_the_plan_or_the_one_that_is_asked_for() {
 #[test]
 fn lagging_schemes_come_to_the_monolithic_pressure_as_steps_shrink() {
     let run = |scheme: &str, split: usize| {
-        let plan = pumped(&[scheme, "scheme.adr_tolerance=1e-5"]);
+        // Relaxed to 1e-5 the second step is as far off as the audit allows, 1.1 % of the fluid for 1 %.
+        let plan = pumped(&[scheme, "scheme.adr_tolerance=3e-6"]);
         try_run(&with_step(plan, 1e-4 / split as f64, 40 * split)).unwrap()
     };
     let exact = run("scheme.name=monolithic", 5);
