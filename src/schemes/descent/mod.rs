@@ -31,7 +31,7 @@ use closing::keep_broken;
 use line_search::{Reached, line_search};
 
 pub(super) use acceleration::AndersonAcceleration;
-pub(super) use passes::{PassMonitor, Passes, Residuals, converge};
+pub(super) use passes::{Advance, PassMonitor, Passes, Residuals, converge};
 pub(super) use stagnation::Stagnation;
 pub(super) use tangent_matrix::TangentMatrix;
 pub(super) use tangent_policy::TangentPolicy;
@@ -47,6 +47,35 @@ pub(super) struct Trial<const D: usize> {
 }
 
 impl<const D: usize> Trial<D> {
+    /// What a model answers to a state under its loads and pressure.
+    ///
+    /// # Errors
+    /// [`StepError::MissingPart`] without a solid that breaks.
+    pub(super) fn of(model: &Model<D>, state: &State) -> Result<Self, StepError> {
+        Self::with(model, state, response_to(model, state)?)
+    }
+
+    /// The same where the response is known.
+    ///
+    /// # Errors
+    /// As [`Trial::of`].
+    pub(super) fn with(
+        model: &Model<D>,
+        state: &State,
+        response: Response<D>,
+    ) -> Result<Self, StepError> {
+        let mut force = model.external_force(state.time, &state.pressure);
+        let solid = solid_of(model)?;
+        let loads: f64 = force.iter().map(|f| f.abs()).sum();
+        let scale = loads + model.crack_push(&response) + solid.in_situ_force;
+        solid.subtract_internal_force(&response, &mut force);
+        Ok(Trial {
+            response,
+            force,
+            scale,
+        })
+    }
+
     /// Forces out of balance, relative to all forces, or to a scale (N) where that is larger.
     ///
     /// # Errors
@@ -251,24 +280,6 @@ pub(super) fn response_to<const D: usize>(
     model
         .response(&state.view())
         .ok_or(StepError::MissingPart { part: "[damage]" })
-}
-
-/// Forces out of balance of a response under the loads and the pressure of a state.
-pub(super) fn trial_at<const D: usize>(
-    model: &Model<D>,
-    state: &State,
-    response: Response<D>,
-) -> Result<Trial<D>, StepError> {
-    let mut force = model.external_force(state.time, &state.pressure);
-    let solid = solid_of(model)?;
-    let loads: f64 = force.iter().map(|f| f.abs()).sum();
-    let scale = loads + model.crack_push(&response) + solid.in_situ_force;
-    solid.subtract_internal_force(&response, &mut force);
-    Ok(Trial {
-        response,
-        force,
-        scale,
-    })
 }
 
 /// The damage of a solid that breaks.

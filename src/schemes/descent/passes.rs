@@ -48,7 +48,7 @@ pub(crate) trait Passes<const D: usize> {
         false
     }
 
-    /// Moves the state by one pass, and gives what was evaluated there, if anything was; `None` where it leads nowhere.
+    /// Moves the state by one pass.
     ///
     /// # Errors
     /// [`StepError`] if the linear system is not solved.
@@ -57,7 +57,17 @@ pub(crate) trait Passes<const D: usize> {
         state: &mut State,
         place: Self::Iterate,
         monitor: &PassMonitor,
-    ) -> Result<Option<Option<Trial<D>>>, StepError>;
+    ) -> Result<Advance<D>, StepError>;
+}
+
+/// What a pass did to the state.
+pub(crate) enum Advance<const D: usize> {
+    /// It stands where this was evaluated.
+    Evaluated(Box<Trial<D>>),
+    /// It moved to where nothing was evaluated yet.
+    Moved,
+    /// Nothing leads on from here.
+    Stuck,
 }
 
 /// Passes until forces and fluid balance; gives the scale of the forces then, N.
@@ -86,8 +96,9 @@ pub(crate) fn converge<const D: usize, P: Passes<D>>(
             break;
         }
         match passes.advance(state, here, &monitor)? {
-            Some(next) => found = next,
-            None => break,
+            Advance::Evaluated(next) => found = Some(*next),
+            Advance::Moved => {}
+            Advance::Stuck => break,
         }
     }
     Err(monitor.failure(state.time, report.passes))

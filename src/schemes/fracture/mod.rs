@@ -9,8 +9,8 @@ mod rates;
 use perifrac_solvers::{Demand, Problem};
 
 use super::descent::{
-    Descended, Descent, Direction, Energy, PassMonitor, Passes, Residuals, TangentSolver, Trial,
-    converge, response_to, trial_at,
+    Advance, Descended, Descent, Direction, Energy, PassMonitor, Passes, Residuals, TangentSolver,
+    Trial, converge,
 };
 use super::solid::mechanics_problem;
 use super::{Memory, SchemeCounters, SolidSolver, State, StepError, StepReport, solid_of};
@@ -66,7 +66,7 @@ impl<const D: usize> Fracture<D> {
             return Ok(());
         }
         // The forces are those at the walls' old place.
-        let here = trial_at(model, state, response_to(model, state)?)?;
+        let here = Trial::of(model, state)?;
         state.walls = moved;
         self.linear
             .follow(solid, state, &here, TangentKind::Bounded)?;
@@ -91,7 +91,7 @@ struct SolidEnergy<'a, const D: usize> {
 
 impl<const D: usize> Energy<D> for SolidEnergy<'_, D> {
     fn evaluate(&mut self, state: &State) -> Result<Trial<D>, StepError> {
-        let mut trial = trial_at(self.model, state, response_to(self.model, state)?)?;
+        let mut trial = Trial::of(self.model, state)?;
         let held = self.solid.wall_forces(&trial.response);
         trial.scale += held.iter().map(|f| f.abs()).sum::<f64>();
         Ok(trial)
@@ -154,14 +154,14 @@ impl<const D: usize> Passes<D> for SolidPasses<'_, D> {
         state: &mut State,
         place: Trial<D>,
         monitor: &PassMonitor,
-    ) -> Result<Option<Option<Trial<D>>>, StepError> {
+    ) -> Result<Advance<D>, StepError> {
         self.passes += 1;
         let (energy, descent) = (&mut self.energy, &mut *self.descent);
         Ok(
             match descent.pass(energy, state, place, monitor.imbalance())? {
-                Descended::Down { to, .. } => Some(Some(to)),
-                Descended::Stayed(at) => Some(Some(at)),
-                Descended::Stuck => None,
+                Descended::Down { to, .. } => Advance::Evaluated(Box::new(to)),
+                Descended::Stayed(at) => Advance::Evaluated(Box::new(at)),
+                Descended::Stuck => Advance::Stuck,
             },
         )
     }

@@ -10,9 +10,7 @@ use super::{FractureFlowStep, StepStart};
 use crate::material::TangentKind;
 use crate::model::{Model, Spreading, Voids};
 use crate::plan::DescentSettings;
-use crate::schemes::descent::{
-    Direction, PassMonitor, Passes, Residuals, Trial, response_to, trial_at,
-};
+use crate::schemes::descent::{Advance, Direction, PassMonitor, Passes, Residuals, Trial};
 use crate::schemes::{State, StepError, flow_of};
 
 /// Where a pass stands.
@@ -103,7 +101,7 @@ impl<'a, const D: usize> CoupledPasses<'a, D> {
 
     /// A trial at a state, with the forces it leaves out of balance relative to all.
     fn try_at(&mut self, state: &State) -> Result<(Trial<D>, f64), StepError> {
-        let at = trial_at(self.model, state, response_to(self.model, state)?)?;
+        let at = Trial::of(self.model, state)?;
         self.step.descent.searches += 1;
         let forces = at.imbalance(self.step.scale(), state)?;
         Ok((at, forces))
@@ -240,7 +238,7 @@ impl<const D: usize> Passes<D> for CoupledPasses<'_, D> {
         state: &mut State,
         place: Iterate<D>,
         _monitor: &PassMonitor,
-    ) -> Result<Option<Option<Trial<D>>>, StepError> {
+    ) -> Result<Advance<D>, StepError> {
         let (displacement, pressure) = (state.displacement.clone(), state.pressure.clone());
         let (change, tried) = self.solve(state, &place)?;
         let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(t, b)| *t += b);
@@ -253,6 +251,6 @@ impl<const D: usize> Passes<D> for CoupledPasses<'_, D> {
             place,
             tried,
         });
-        Ok(Some(None))
+        Ok(Advance::Moved)
     }
 }

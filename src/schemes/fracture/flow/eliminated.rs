@@ -8,7 +8,7 @@ use super::{FractureFlowStep, StepStart};
 use crate::material::TangentKind;
 use crate::model::{Model, Spreading};
 use crate::schemes::descent::{
-    Descended, Direction, Energy, PassMonitor, Passes, Residuals, Trial, response_to, trial_at,
+    Advance, Descended, Direction, Energy, PassMonitor, Passes, Residuals, Trial, response_to,
 };
 use crate::schemes::{State, StepError, flow_of};
 
@@ -39,7 +39,7 @@ impl<const D: usize> EliminatedEnergy<'_, D> {
 
 impl<const D: usize> Energy<D> for EliminatedEnergy<'_, D> {
     fn evaluate(&mut self, state: &State) -> Result<Trial<D>, StepError> {
-        trial_at(self.model, state, response_to(self.model, state)?)
+        Trial::of(self.model, state)
     }
 
     fn loads(&self, state: &State) -> Vec<f64> {
@@ -170,7 +170,7 @@ impl<const D: usize> Passes<D> for EliminatedPasses<'_, D> {
     ) -> Result<(Iterate<D>, Residuals), StepError> {
         let found = match found {
             Some(found) => found,
-            None => trial_at(self.model, state, response_to(self.model, state)?)?,
+            None => Trial::of(self.model, state)?,
         };
         self.follow(state, &found)?;
         let start = self.step.unknowns(state);
@@ -182,7 +182,7 @@ impl<const D: usize> Passes<D> for EliminatedPasses<'_, D> {
             true => response_to(self.model, state)?,
             false => found.response,
         };
-        let at = trial_at(self.model, state, response)?;
+        let at = Trial::with(self.model, state, response)?;
         let settings = &self.step.descent.settings;
         let left = Residuals {
             forces: at.imbalance(self.step.scale(), state)?,
@@ -213,14 +213,17 @@ impl<const D: usize> Passes<D> for EliminatedPasses<'_, D> {
         state: &mut State,
         place: Iterate<D>,
         monitor: &PassMonitor,
-    ) -> Result<Option<Option<Trial<D>>>, StepError> {
+    ) -> Result<Advance<D>, StepError> {
         self.react(monitor);
         let Iterate { at, start } = place;
         let step = &mut *self.step;
         // Forces that are balanced to the last bits give no direction: the pressure alone moves on.
         if monitor.imbalance() <= step.descent.settings.force_floor * step.plan.tolerance {
             let moved = self.accelerate(start, state, 1.0, monitor);
-            return Ok(Some((!moved).then_some(at)));
+            return Ok(match moved {
+                true => Advance::Moved,
+                false => Advance::Evaluated(Box::new(at)),
+            });
         }
         step.passes += 1;
         let energy = &mut EliminatedEnergy {
@@ -231,11 +234,13 @@ impl<const D: usize> Passes<D> for EliminatedPasses<'_, D> {
         Ok(
             match step.descent.pass(energy, state, at, monitor.imbalance())? {
                 Descended::Down { to, length } => {
-                    let moved = self.accelerate(start, state, length, monitor);
-                    Some((!moved).then_some(to))
+                    match self.accelerate(start, state, length, monitor) {
+                        true => Advance::Moved,
+                        false => Advance::Evaluated(Box::new(to)),
+                    }
                 }
-                Descended::Stayed(at) => Some(Some(at)),
-                Descended::Stuck => None,
+                Descended::Stayed(at) => Advance::Evaluated(Box::new(at)),
+                Descended::Stuck => Advance::Stuck,
             },
         )
     }
