@@ -13,7 +13,7 @@
 //!     fluid.viscosity = "1 mPa s"
 //!     materials.sand = { permeability = "1e-12 m^2", storage = "1e-9 1/Pa" }
 //!     flow = { initial_pressure = "1 bar", boundary.left.pressure = 0 }
-//!     time.end = "10 s"
+//!     time.end = "0.3 s"
 //!     "#,
 //! )
 //! .plan()?;
