@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::cell_list::CellList;
+use super::lattice::are_same;
 use super::near::Near;
 use super::transpose::Dual;
 use super::{Cloud, Cutter, GeometryError, ImageTable, Lattice, Subdomain, Vector};
@@ -100,8 +101,6 @@ pub struct Severed {
 }
 
 const CHUNK: usize = 1024;
-/// Difference of horizons, relative to them, that is rounding.
-const SAME: f64 = 1e-12;
 
 /// Family sizes of a range of points, and their bonds as pairs of neighbour and image number.
 type Chunk = (Vec<u32>, Vec<(u32, u8)>);
@@ -114,12 +113,7 @@ impl<const D: usize> Families<D> {
     /// [`GeometryError::TooLarge`] beyond 32-bit indices.
     pub fn search(cloud: &Cloud<D>, horizon: Vec<f64>) -> Result<Self, GeometryError> {
         let radius = horizon.first().copied().unwrap_or(0.0);
-        let same = |own: &f64| (own - radius).abs() <= SAME * radius;
-        let lattice = horizon
-            .iter()
-            .all(same)
-            .then(|| Lattice::of(cloud))
-            .flatten();
+        let lattice = are_same(&horizon).then(|| Lattice::of(cloud)).flatten();
         if let Some(lattice) = lattice {
             let reach = horizon.iter().copied().fold(0.0, f64::max);
             let images = ImageTable::new(&cloud.domain, reach)?;

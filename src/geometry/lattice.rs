@@ -9,6 +9,19 @@ const DOUBTFUL: f64 = 1e-8;
 /// Difference of lengths, relative to them, that is rounding.
 const SAME: f64 = 1e-12;
 
+/// Whether two lengths differ by rounding alone.
+fn is_same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME * other
+}
+
+/// Whether all lengths are that of the first.
+pub(super) fn are_same(lengths: &[f64]) -> bool {
+    let mut all = lengths.iter();
+    lengths
+        .first()
+        .is_none_or(|first| all.all(|own| is_same(*own, *first)))
+}
+
 /// A cloud that is a full lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice<const D: usize> {
@@ -205,10 +218,8 @@ impl<const D: usize> Families<D> {
     pub fn alike(&self, cloud: &Cloud<D>) -> Option<Vec<u32>> {
         let whole = self.share.partition().is_none() && self.severed.is_none();
         let (horizon, edge) = (*self.horizon.first()?, cloud.cell.first()?);
-        let near = |one: f64, other: f64| (one - other).abs() <= SAME * other;
-        let same = |own: &Vector<D>| (0..D).all(|axis| near(own[axis], edge[axis]));
-        let equal = || self.horizon.iter().all(|own| near(*own, horizon));
-        if !whole || !equal() || !cloud.cell.iter().all(same) {
+        let same = |own: &Vector<D>| (0..D).all(|axis| is_same(own[axis], edge[axis]));
+        if !whole || !are_same(&self.horizon) || !cloud.cell.iter().all(same) {
             return None;
         }
         let lattice = Lattice::of(cloud)?;
