@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use perifrac::cases::{CASES, find};
 use perifrac::prelude::{Checkpoint, LoadedScene, Plan, PointTable, Setup, TableError, examine};
-use perifrac::scene::{load_stages, with_layers};
+use perifrac::scene::{Override, load_stages, with_layers};
 use pyo3::prelude::*;
 
 use crate::errors::{Fault, raised};
@@ -87,7 +87,8 @@ impl Recipe {
     fn stages(&self, py: Python<'_>) -> PyResult<Option<Stages>> {
         let layers = self.layers.iter();
         let layers: Vec<(&str, &str)> = layers.map(|(name, text)| (&**name, &**text)).collect();
-        let changes: Vec<String> = self.changes.iter().map(joined).collect();
+        let changes = self.changes.iter().map(joined).map(Override::from);
+        let changes: Vec<Override> = changes.collect();
         let stages = raised(py, load_stages(&layers, &self.base, &changes, &[]))?;
         Ok(stages.map(|stages| {
             let text = |stage: perifrac::scene::Stage| (stage.name, stage.loaded.resolved_toml());

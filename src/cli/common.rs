@@ -9,7 +9,7 @@ use crate::model::ModelError;
 use crate::output::CheckpointError;
 use crate::plan::{Plan, resolve_for};
 use crate::run::{Examined, RunError, examine, locate};
-use crate::scene::{self, Diagnostic, LoadedScene, SceneErrors};
+use crate::scene::{self, Diagnostic, LoadedScene, Override, SceneErrors};
 use crate::schemes;
 
 use super::completions;
@@ -88,7 +88,7 @@ impl SceneArgs {
     /// [`Failure::Scene`] or [`Failure::Usage`].
     pub(super) fn ask(&self) -> Result<Asked, Failure> {
         let overrides = self.all_overrides();
-        let end: Vec<String> = self.end().into_iter().collect();
+        let end: Vec<Override> = self.end().into_iter().collect();
         self.with_texts(|(layers, case, base)| {
             let planned = |loaded: LoadedScene, follows| {
                 let loaded = loaded.titled(case);
@@ -129,15 +129,16 @@ impl SceneArgs {
     }
 
     /// `--end` as a change of the scene.
-    fn end(&self) -> Option<String> {
+    fn end(&self) -> Option<Override> {
         let end = self.end.as_deref()?;
-        Some(format!("time.end={}", quoted(end)))
+        Some(Override::by_option("--end", "time.end", end))
     }
 
     /// Keys that are set where there is one run, without scheme and solver.
     #[cfg(feature = "study")]
     pub(super) fn sets(&self) -> Vec<String> {
-        self.overrides.iter().cloned().chain(self.end()).collect()
+        let end = self.end().map(|end| end.text().to_owned());
+        self.overrides.iter().cloned().chain(end).collect()
     }
 
     /// Refuses an end of what does not pass in time.
@@ -151,13 +152,20 @@ impl SceneArgs {
         Err(loaded.errors(vec![fault]))
     }
 
-    fn all_overrides(&self) -> Vec<String> {
-        let scheme = self.scheme.as_ref();
-        let solver = self.solver.as_ref();
-        let mut overrides = self.overrides.clone();
-        overrides.extend(scheme.map(|s| format!("scheme.name={}", quoted(s))));
-        overrides.extend(solver.map(|s| format!("solver.name={}", quoted(s))));
-        overrides
+    fn all_overrides(&self) -> Vec<Override> {
+        let named = [
+            ("--scheme", "scheme.name", &self.scheme),
+            ("--solver", "solver.name", &self.solver),
+        ];
+        let named = named.into_iter().filter_map(|(option, key, typed)| {
+            Some(Override::by_option(option, key, typed.as_deref()?))
+        });
+        self.overrides
+            .iter()
+            .cloned()
+            .map(Override::from)
+            .chain(named)
+            .collect()
     }
 
     /// Hands the texts of the scene to `load`.
@@ -188,11 +196,6 @@ impl SceneArgs {
             load((layers, &case_name(path, layers.len() > 1), base))
         })?)
     }
-}
-
-/// A text as a value in TOML.
-fn quoted(text: &str) -> String {
-    toml::Value::from(text).to_string()
 }
 
 fn looks_like_path(name: &str) -> bool {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::diagnostics::{Diagnostic, SceneErrors};
 use super::draft::Draft;
+use super::overrides::Override;
 use super::sources::Sources;
 use super::tree::{self, Node};
 use super::validate::Context;
@@ -104,14 +105,15 @@ pub fn load_str(
 pub fn load_layers(
     layers: &[(&str, &str)],
     base_dir: &Path,
-    overrides: &[String],
+    overrides: &[impl Into<Override> + Clone],
 ) -> Result<LoadedScene, SceneErrors> {
+    let overrides: Vec<Override> = overrides.iter().cloned().map(Into::into).collect();
     let Some(((name, text), changes)) = layers.split_first() else {
         let fault = Diagnostic::new("there is no scene");
         return Err(SceneErrors::new(vec![fault], Sources::new("", "")));
     };
     let mut sources = Sources::new(name, text);
-    let faults = match merge(text, changes, overrides, &mut sources) {
+    let faults = match merge(text, changes, &overrides, &mut sources) {
         Ok(merged) => match build(merged.clone()) {
             Ok(scene) => {
                 return Ok(LoadedScene {
@@ -131,7 +133,7 @@ pub fn load_layers(
 fn merge(
     text: &str,
     changes: &[(&str, &str)],
-    overrides: &[String],
+    overrides: &[Override],
     sources: &mut Sources,
 ) -> Result<Node, Vec<Diagnostic>> {
     let blank = |line: &str| line.trim().is_empty() || line.trim().starts_with('#');
@@ -250,7 +252,7 @@ end = "10 s"
                 "[materials.a_second]\ndensity = { file = \"rho.csv\" }"
             )
         );
-        let sets = ["geometry.path=points.csv".to_owned()];
+        let sets = [Override::from("geometry.path=points.csv".to_owned())];
         let mut sources = Sources::new("scene", &text);
         let merged = merge(&text, &[], &sets, &mut sources).unwrap();
         let loaded = LoadedScene {
@@ -359,7 +361,7 @@ end = "10 s"
         let change = "base = \"small.toml\"\n[time]\nmax_step = \"1 s\"\n[materials.a_second]\n\
                       storage = 3e-10\nregion = { type = \"box\", min = [0, 0], max = [0.4, 1] }\n";
         let layers = [("small.toml", SMALL), ("smoke.toml", change)];
-        let loaded = load_layers(&layers, Path::new(""), &[]).unwrap();
+        let loaded = load_layers(&layers, Path::new(""), &[] as &[Override]).unwrap();
         assert_eq!(loaded.scene.time.end.unwrap().value(), 10.0);
         assert_eq!(loaded.scene.time.max_step.unwrap().value(), 1.0);
         let second = loaded.scene.materials.get("a_second").unwrap();
@@ -374,7 +376,7 @@ end = "10 s"
             ("small.toml", SMALL),
             ("smoke.toml", "[time]\nmax_step = 1 s\n"),
         ];
-        let text = load_layers(&wrong, Path::new(""), &[])
+        let text = load_layers(&wrong, Path::new(""), &[] as &[Override])
             .unwrap_err()
             .to_string();
         assert!(text.contains("smoke.toml:2:12"), "{text}");

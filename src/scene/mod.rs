@@ -37,6 +37,7 @@ pub(crate) mod rules_tests;
 pub use diagnostics::{Diagnostic, SceneErrors};
 pub use load::{Load, TimeSeries};
 pub use loading::{LoadedScene, load_file, load_layers, load_str, with_layers};
+pub use overrides::Override;
 pub use quantity::{Dimension, Quantity};
 pub use schema::json_schema;
 pub use sections::*;

@@ -5,15 +5,50 @@ use super::sources::Sources;
 use super::span::Span;
 use super::tree::{self, Item, Node, Table, Value};
 
-/// Applies the `--set` texts to the tree in their order.
+/// A key and its value as `key.path=value`, with the option that it was typed as.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    /// Such as `--end`; `None` for `--set`.
+    option: Option<&'static str>,
+    text: String,
+}
+
+impl Override {
+    /// A key that an option of its own sets to the text that was typed.
+    pub fn by_option(option: &'static str, key: &str, typed: &str) -> Self {
+        // As a string of TOML, whatever the text.
+        let value = toml::Value::String(typed.to_owned());
+        Override {
+            option: Some(option),
+            text: format!("{key}={value}"),
+        }
+    }
+
+    /// As `--set` takes it.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+/// The text of a `--set`.
+impl From<String> for Override {
+    fn from(text: String) -> Self {
+        Override { option: None, text }
+    }
+}
+
+/// Applies overrides to the tree in their order.
 pub(super) fn apply(
     root: &mut Node,
-    overrides: &[String],
+    overrides: &[Override],
     sources: &mut Sources,
 ) -> Vec<Diagnostic> {
     let mut faults = Vec::new();
-    for (index, text) in overrides.iter().enumerate() {
-        let offset = sources.add_typed(&format!("--set #{}", index + 1), text);
+    let mut sets = 0;
+    for Override { option, text } in overrides {
+        sets += usize::from(option.is_none());
+        let name = option.map_or_else(|| format!("--set #{sets}"), str::to_owned);
+        let offset = sources.add_typed(&name, text);
         match read(text, offset) {
             Ok(Node {
                 value: Value::Table(new),
@@ -164,7 +199,9 @@ mod tests {
     fn merged(file: &str, sets: &[&str]) -> Result<String, Vec<Diagnostic>> {
         let mut root = parse(file, 0).unwrap();
         let mut sources = Sources::new("a.toml", file);
-        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let sets: Vec<Override> = (sets.iter())
+            .map(|set| Override::from((*set).to_owned()))
+            .collect();
         let faults = apply(&mut root, &sets, &mut sources);
         if faults.is_empty() {
             Ok(toml::to_string(&root).unwrap())

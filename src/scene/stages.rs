@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::diagnostics::{Diagnostic, SceneErrors};
 use super::loading::{LoadedScene, load_layers};
+use super::overrides::Override;
 use super::sources::Sources;
 use super::{Scene, Spanned, Start, StartClock};
 
@@ -28,7 +29,7 @@ pub struct Stage {
 }
 
 /// Loads the stages of a scene from texts of which each changes those before it; nothing where none has
-/// stages. Texts after the one that has them hold for all stages. `--set` texts hold for all stages, and those of
+/// stages. Texts after the one that has them hold for all stages. Overrides hold for all stages, and those of
 /// `at_last` after them for the last one.
 ///
 /// # Errors
@@ -37,8 +38,8 @@ pub struct Stage {
 pub fn load_stages(
     layers: &[(&str, &str)],
     base_dir: &Path,
-    overrides: &[String],
-    at_last: &[String],
+    overrides: &[Override],
+    at_last: &[Override],
 ) -> Result<Option<Vec<Stage>>, SceneErrors> {
     let Some(place) = layers.iter().position(|(_, text)| has_stages(text)) else {
         return Ok(None);
@@ -268,7 +269,8 @@ end = "3 s"
 
     #[test]
     fn what_is_typed_for_the_last_stage_leaves_the_others() {
-        let [all, last] = [["time.step=0.1".to_owned()], ["time.end=5".to_owned()]];
+        let all = [Override::from("time.step=0.1".to_owned())];
+        let last = [Override::by_option("--end", "time.end", "5")];
         let stages = load_stages(&[("staged.toml", SCENE)], Path::new(""), &all, &last);
         let stages = stages.unwrap().unwrap();
         let end = |stage: &Stage| stage.loaded.scene.time.end.unwrap().value();

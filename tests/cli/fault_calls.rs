@@ -211,7 +211,7 @@ error: expected a table of named entries, found 3
             arguments: &["run", "scene.toml", "--scheme", "implict"],
             stderr: r#"
 error: `implict` is not known here
- --> --set #1:1:13
+ --> --scheme:1:13
   |
 1 | scheme.name="implict"
   |             ^^^^^^^^^
@@ -225,7 +225,7 @@ error: `implict` is not known here
             arguments: &["run", "scene.toml", "--solver", "faer-ltl"],
             stderr: r#"
 error: unknown solver `faer-ltl`, did you mean `faer-llt`?; valid names: auto, faer-llt, faer-ldlt, faer-cg, faer-lu, fourier, minres, gmres, fgmres, bicgstab, petsc
- --> --set #1:1:13
+ --> --solver:1:13
   |
 1 | solver.name="faer-ltl"
   |             ^^^^^^^^^^
@@ -241,7 +241,7 @@ fn ends_that_cannot_be() {
         let marks = "^".repeat(end.len() + 2);
         let typed = format!("time.end=\"{end}\"");
         let text = format!(
-            "error: {message}\n --> --set #1:1:10\n  |\n1 | {typed}\n  |          {marks}{help}"
+            "error: {message}\n --> --end:1:10\n  |\n1 | {typed}\n  |          {marks}{help}"
         );
         let place = Place::with_scene(&[]);
         let outcome = place.run(&["plan", "scene.toml", "--end", end]);
