@@ -30,6 +30,7 @@ FORMS = {
     "two-layer": "two-layer",
     "channel": "channel --set time.mode=steady",
     "barrier": "barrier",
+    "inclusion": "inclusion",
     "heterogeneous": "heterogeneous --set geometry.points=[60,60]",
     "spe10-1": "spe10-1",
     "reservoir-3d": "reservoir-3d --set geometry.points=[10,10,5]",

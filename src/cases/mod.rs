@@ -43,6 +43,10 @@ pub const CASES: &[Case] = &[
     ),
     case!("channel", "a one-cell-wide channel of high permeability"),
     case!("barrier", "a one-cell-thick barrier of low permeability"),
+    case!(
+        "inclusion",
+        "a cylinder of another permeability, one of a square array"
+    ),
     case!("heterogeneous", "log-normal permeability over six decades"),
     case!(
         "spe10-1",

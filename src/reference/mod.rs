@@ -18,6 +18,7 @@
 //!
 //! [`two_point_flow`] is no exact solution, but what any rock of square cells is measured by.
 
+mod cylinders;
 mod error;
 mod exponential_integral;
 mod five_spot;
@@ -31,6 +32,7 @@ mod theis_series;
 mod two_layer;
 mod two_point;
 
+pub use cylinders::square_array_of_cylinders;
 pub use error::ReferenceError;
 pub use exponential_integral::exponential_integral;
 pub use five_spot::{FiveSpot, FiveSpotTransient, InjectorCorner};

@@ -5,11 +5,12 @@ use serde_json::Value;
 use crate::columns::MOVING;
 use crate::support::Place;
 
-const CASES: [&str; 33] = [
+const CASES: [&str; 34] = [
     "five-spot",
     "two-layer",
     "channel",
     "barrier",
+    "inclusion",
     "heterogeneous",
     "spe10-1",
     "reservoir-3d",

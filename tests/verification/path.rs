@@ -5,8 +5,9 @@
 //! (Aziz and Settari 1979, Petroleum Reservoir Simulation, Sec. 3.5), which is exact in one dimension.
 
 use perifrac::model::FlowModel;
+use perifrac::reference::square_array_of_cylinders;
 
-use crate::support::{flow_model, plan_of, run_text, square, unit};
+use crate::support::{flow_model, plan_of, run_case, run_text, square, unit};
 
 const CONTRASTS: [f64; 9] = [1e-12, 1e-8, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e8, 1e12];
 
@@ -153,6 +154,33 @@ fn barriers_of_one_cell_are_tight() {
     let out = outflow(&[&stairs]);
     let exact = two_point_leak();
     assert!((out / exact - 1.0).abs() < 0.01, "{out} {exact}");
+}
+
+/// Flux through the bundled case over that across a square array of cylinders, less one.
+fn off_cylinders(across: usize, contrast: f64, sets: &[&str]) -> f64 {
+    let points = format!("geometry.points=[{across}, {across}]");
+    let within = format!("materials.cylinder.permeability={:e}", 1e-12 * contrast);
+    let own = [&[&*points, &*within], sets].concat();
+    let (summary, _) = run_case("inclusion", &own);
+    // 1e-12 m²/1 mPa s under 1 MPa.
+    let exact = 1e-3 * square_array_of_cylinders(0.3, contrast);
+    summary.outflow["right"] / exact - 1.0
+}
+
+/// A cylinder in a square is one of a square array (Rayleigh's method); its face runs through cells. With 40 points across,
+/// bonds are off by 3.3 % to 0.8 %, the correspondence operator by up to 19 %.
+#[test]
+fn the_flux_across_cylinders_converges_at_first_order_at_every_contrast() {
+    for (contrast, bar) in [(1e-8, 0.022), (1e-2, 0.021), (1e2, 1.2e-3), (1e8, 1.2e-3)] {
+        let [coarse, fine] = [20, 40].map(|across| off_cylinders(across, contrast, &[]).abs());
+        assert!(fine < bar, "{contrast:e}: {fine:e}");
+        assert!(fine < 0.56 * coarse, "{contrast:e}: {coarse:e} {fine:e}");
+    }
+    let jittered = ["geometry.jitter=0.2", "geometry.seed=3"];
+    for contrast in [1e-4, 1e4] {
+        let off = off_cylinders(40, contrast, &jittered).abs();
+        assert!(off < 0.03, "{contrast:e}: {off:e}");
+    }
 }
 
 /// Flow across the stairs between two points: rock at 1 above and at 0 below, and barrier cells each

@@ -1,9 +1,9 @@
-//! What flows at a contrast: exactly through layers in series, else between two points per face.
+//! What flows at a contrast: exactly through layers in series and across a cylinder, else between two points per face.
 
-use crate::geometry::{Side, Vector, border};
+use crate::geometry::{Shape, Side, Vector, border};
 use crate::model::{Model, material_at};
 use crate::plan::{GeometryPlan, Plan, SideCondition};
-use crate::reference::two_point_flow;
+use crate::reference::{square_array_of_cylinders, two_point_flow};
 use crate::report::Timers;
 
 /// What the flux of runs is held against.
@@ -11,6 +11,8 @@ use crate::report::Timers;
 pub(super) enum Measure {
     /// The flux through layers in series, which is exact.
     Series,
+    /// The flux across a square array of cylinders, which is exact.
+    Cylinders,
     /// The flux between two points per face, on the same points.
     TwoPoint,
 }
@@ -73,19 +75,42 @@ pub(super) fn known(plan: &Plan) -> Option<Known> {
     let edges = [0, 1].map(|k| size[k] / cells[k] as f64);
     let two_point = drop * plan.thickness * two_point_flow(cells, edges, &flow.mobility, axis);
     let places = &flow.operator.neighbourhood().cloud.position;
-    let resistance = series(plan, places, cells, axis);
-    Some(match resistance {
-        Some(resistance) => Known {
-            measure: Measure::Series,
-            rate: drop * plan.thickness * size[1 - axis] / resistance,
-            two_point,
-        },
-        None => Known {
-            measure: Measure::TwoPoint,
-            rate: two_point,
-            two_point,
-        },
+    let drive = drop * plan.thickness;
+    let (measure, rate) = if let Some(resistance) = series(plan, places, cells, axis) {
+        (Measure::Series, drive * size[1 - axis] / resistance)
+    } else if let Some(mobility) = cylinder(plan, size) {
+        (Measure::Cylinders, drive * mobility)
+    } else {
+        (Measure::TwoPoint, two_point)
+    };
+    Some(Known {
+        measure,
+        rate,
+        two_point,
     })
+}
+
+/// Mobility of a square with one cylinder in its middle, m²/(Pa s); `None` for all other scenes. Sealed sides and sides
+/// of one pressure mirror it, so that it is one of a square array.
+fn cylinder(plan: &Plan, size: &[f64]) -> Option<f64> {
+    let [rock, other] = &plan.materials[..] else {
+        return None;
+    };
+    let (None, Some(Shape::Disc { centre, radius })) = (&rock.region, &other.region) else {
+        return None;
+    };
+    let edge = size[0];
+    let same = |one: f64, two: f64| (one - two).abs() <= 1e-9 * edge;
+    let (lower, upper) = plan.geometry.bounds()?;
+    let middle = (lower.iter().zip(&upper)).map(|(low, high)| 0.5 * (low + high));
+    let central = middle.zip(centre).all(|(middle, own)| same(middle, *own));
+    if !same(edge, size[1]) || !central || 2.0 * radius >= edge {
+        return None;
+    }
+    let [around, within] = [rock, other].map(|own| own.permeability.as_ref()?.uniform());
+    let (around, within) = (around?, within?);
+    let relative = square_array_of_cylinders(radius / edge, within / around);
+    Some(relative * around / plan.fluid.viscosity)
 }
 
 /// ∫ ds/κ along an axis through the regions of the materials, s Pa/m; `None` unless all points in a row

@@ -90,6 +90,10 @@ fn words(measure: Measure) -> &'static str {
              Δp A/∫ds/κ, with their interfaces where the regions of the scene have them. The flux between two \
              points per face takes an interface to lie on the face that the materials of the points put it on."
         }
+        Measure::Cylinders => {
+            "The domain is one of a square array of cylinders, across which the flux is exact by Rayleigh's method. The flux \
+             between two points per face has the cylinder that the materials of the points make."
+        }
         Measure::TwoPoint => {
             "The measure is the flux between two points per face on the same points, which has the channels and \
              barriers that the points have; it is itself an approximation, of an error that this study does not tell."
@@ -158,7 +162,7 @@ fn curves(
         ((*operator).to_owned(), pairs)
     };
     let mut curves: Vec<_> = OPERATORS.iter().map(of).collect();
-    if measure == Measure::Series {
+    if measure != Measure::TwoPoint {
         let own = known.iter();
         let pairs = own.map(|(contrast, own)| (*contrast, (own.two_point / own.rate - 1.0).abs()));
         curves.push((TWO_POINT.to_owned(), pairs.collect()));
@@ -219,7 +223,7 @@ fn table(curves: &[(String, Vec<(f64, f64)>)]) -> Table {
 /// The largest error of every curve, and where it is.
 fn headlines(curves: &[(String, Vec<(f64, f64)>)], measure: Measure) -> Vec<String> {
     let from = match measure {
-        Measure::Series => "the exact one",
+        Measure::Series | Measure::Cylinders => "the exact one",
         Measure::TwoPoint => "the two-point flux",
     };
     let line = |(name, pairs): &(String, Vec<(f64, f64)>)| {

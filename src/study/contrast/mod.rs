@@ -100,7 +100,7 @@ impl Study for Contrast {
 
 /// Methods of a study; a case that is steady itself has no history to step through.
 fn methods(subject: &StudyCase, options: &Options) -> Vec<(Method, &'static str)> {
-    let method = |scheme, integrator| Method { scheme, integrator };
+    let method = Method::new;
     let all = [
         (method("implicit", Some("tr-bdf2")), "transient"),
         (method("implicit", None), STEADY),

@@ -50,8 +50,8 @@ impl Varied {
         Err(StudyError::Unsuited {
             study: "the contrast study",
             case: subject.plan.case.clone(),
-            reason: "it needs exactly two materials with one permeability each, as two-layer, channel and \
-                     barrier have, or one with an array of different values, as spe10-1 has"
+            reason: "it needs exactly two materials with one permeability each, as two-layer, channel, \
+                     barrier and inclusion have, or one with an array of different values, as spe10-1 has"
                 .to_owned(),
         })
     }
