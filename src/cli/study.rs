@@ -55,6 +55,9 @@ pub(super) struct Args {
     /// Runs of each variant, of which the median counts [default: 3 for cost, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     repeat: Option<u32>,
+    /// For cost: methods as they come only, without settings that may be cheaper
+    #[arg(long)]
+    defaults: bool,
     /// Few and small runs, done within a minute
     #[arg(long)]
     quick: bool,
@@ -87,6 +90,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         solvers: args.solvers.clone(),
         points: args.points.clone(),
         quick: args.quick,
+        defaults: args.defaults,
     };
     let variants = kind.variants(&subject, &options)?;
     if variants.is_empty() {

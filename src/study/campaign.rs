@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::run::Interrupt;
 
+use super::beaten::{Outcome, is_beaten};
 use super::{Log, Measured, Row, Runner, Status, StudyCase, StudyError, Variant, profile};
 
 /// Hears of the progress of a study.
@@ -72,6 +73,7 @@ impl<'a> Campaign<'a> {
     ) -> Result<(Vec<Measured>, bool), StudyError> {
         let order = turns(variants);
         let mut rows: Vec<Vec<Row>> = vec![Vec::new(); variants.len()];
+        let mut outcomes: Vec<Option<Outcome>> = vec![None; variants.len()];
         let (mut done, mut complete) = (0, true);
         'rounds: for repetition in 0..self.repetitions {
             for &index in &order {
@@ -82,13 +84,11 @@ impl<'a> Campaign<'a> {
                     done += 1;
                     continue;
                 }
-                let too_long = variants.iter().zip(&rows).any(|(other, rows)| {
-                    let late = |row: &Row| matches!(row.status, Status::TimedOut | Status::Skipped);
-                    other.method() == variant.method()
-                        && other.weight < variant.weight
-                        && rows.iter().any(late)
-                });
-                let Some(row) = self.row(variant, repetition, too_long)? else {
+                let idle = match is_beaten(index, variants, &outcomes) {
+                    true => Some(Status::Beaten),
+                    false => takes_too_long(variant, variants, &rows).then_some(Status::Skipped),
+                };
+                let Some(row) = self.row(variant, repetition, idle)? else {
                     complete = false;
                     if self.interrupt.is_raised() {
                         break 'rounds;
@@ -97,6 +97,7 @@ impl<'a> Campaign<'a> {
                 };
                 done += 1;
                 watcher.ended(variant, &row, done, order.len() * self.repetitions as usize);
+                outcomes[index].get_or_insert(Outcome::from(&row));
                 rows[index].push(row);
             }
         }
@@ -119,12 +120,12 @@ impl<'a> Campaign<'a> {
         Row::unmeasured(key, 0, Status::NotRun, reason.to_owned())
     }
 
-    /// The row from the log, else a new one; `None` if time is up or the user wants to stop.
+    /// The row from the log, else that of a run that is `idle`, else a new one; `None` if time is up or the user wants to stop.
     fn row(
         &mut self,
         variant: &Variant,
         repetition: u32,
-        too_long: bool,
+        idle: Option<Status>,
     ) -> Result<Option<Row>, StudyError> {
         let key = self.subject.key(self.runner.build(), &variant.overrides);
         // A run that was given less time than it may take now is run again.
@@ -133,14 +134,13 @@ impl<'a> Campaign<'a> {
         if let Some(row) = self.log.find(&key, repetition).filter(known) {
             return Ok(Some(row.clone()));
         }
-        if too_long {
-            let reason = "a cheaper run of this method took too long already".to_owned();
-            return Ok(Some(Row::unmeasured(
-                key,
-                repetition,
-                Status::Skipped,
-                reason,
-            )));
+        if let Some(status) = idle {
+            let reason = match status {
+                Status::Beaten => "another setting was cheaper on a coarser cloud",
+                _ => "a cheaper run of this method took too long already",
+            };
+            let row = Row::unmeasured(key, repetition, status, reason.to_owned());
+            return Ok(Some(row));
         }
         let left = self.deadline.saturating_duration_since(Instant::now());
         if left.is_zero() || self.interrupt.is_raised() {
@@ -184,6 +184,16 @@ impl<'a> Campaign<'a> {
         self.log.add(row.clone())?;
         Ok(Some(row))
     }
+}
+
+/// Whether a cheaper run of the same method and setting took too long.
+fn takes_too_long(variant: &Variant, variants: &[Variant], rows: &[Vec<Row>]) -> bool {
+    let late = |row: &Row| matches!(row.status, Status::TimedOut | Status::Skipped);
+    variants.iter().zip(rows).any(|(other, rows)| {
+        (other.method(), other.setting) == (variant.method(), variant.setting)
+            && other.weight < variant.weight
+            && rows.iter().any(late)
+    })
 }
 
 /// The order of variants: what weighs less than nothing, which others are compared with, then methods in turns with the

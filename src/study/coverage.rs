@@ -9,7 +9,7 @@ use super::{Measured, Status};
 /// How many runs of a study ended in which way.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Coverage {
-    counts: [(Status, usize); 6],
+    counts: [(Status, usize); 7],
     of: usize,
 }
 
@@ -22,6 +22,7 @@ impl Coverage {
             Status::Refused,
             Status::TimedOut,
             Status::Skipped,
+            Status::Beaten,
             Status::NotRun,
         ];
         let mut counts = all.map(|status| (status, 0));

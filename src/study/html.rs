@@ -163,10 +163,11 @@ fn all_runs(runs: &[Measured]) -> Table {
     );
     for run in runs {
         let (variant, first) = (&run.variant, run.first());
-        let varied = variant
-            .values
-            .iter()
-            .map(|(name, value)| format!("{} {}", name.replace('_', " "), plain(*value)));
+        let values = variant.values.iter();
+        let values =
+            values.map(|(name, value)| format!("{} {}", name.replace('_', " "), plain(*value)));
+        let setting = variant.setting.map(str::to_owned);
+        let varied = setting.into_iter().chain(values);
         table.rows.push(vec![
             variant.method(),
             varied.collect::<Vec<_>>().join(", "),

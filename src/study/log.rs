@@ -1,5 +1,6 @@
 //! The log of a study: one line of JSON per finished run, so that an interrupted study goes on.
 
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ pub(crate) enum Status {
     TimedOut,
     /// It was not started, because a cheaper run of the same kind took too long already.
     Skipped,
+    /// It was not started, because another setting of its method was cheaper on a coarser cloud.
+    Beaten,
     /// Its turn did not come before the budget was used up or the study was interrupted.
     NotRun,
 }
@@ -37,6 +40,7 @@ impl Status {
             Status::Failed => "failed",
             Status::TimedOut => "timed out",
             Status::Skipped => "skipped",
+            Status::Beaten => "beaten",
             Status::NotRun => "not run",
         }
     }
@@ -83,6 +87,27 @@ impl Row {
             summary: None,
             fields: Vec::new(),
         }
+    }
+}
+
+impl Row {
+    /// Errors per field: root mean square over the range, the largest of all outputs after the start; nothing without
+    /// an exact solution.
+    pub(crate) fn errors(&self) -> BTreeMap<String, f64> {
+        let mut errors: BTreeMap<String, f64> = BTreeMap::new();
+        let outputs = self.summary.as_ref();
+        let outputs = outputs.map_or(&[][..], |run| &run.errors_over_time);
+        let all = outputs.iter().flat_map(|output| &output.errors);
+        for (field, error) in all.filter(|(_, error)| !error.l2.is_nan()) {
+            let largest = errors.entry(field.to_string()).or_insert(0.0);
+            *largest = largest.max(error.l2);
+        }
+        errors
+    }
+
+    /// The largest of them; NaN without any.
+    pub(crate) fn error(&self) -> f64 {
+        self.errors().into_values().fold(f64::NAN, f64::max)
     }
 }
 

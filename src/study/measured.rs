@@ -45,7 +45,12 @@ impl Measured {
 
     /// How often it was started.
     pub(crate) fn repetitions(&self) -> usize {
-        let idle = |row: &&Row| matches!(row.status, Status::Skipped | Status::NotRun);
+        let idle = |row: &&Row| {
+            matches!(
+                row.status,
+                Status::Skipped | Status::Beaten | Status::NotRun
+            )
+        };
         self.rows.iter().filter(|row| !idle(row)).count()
     }
 
@@ -110,14 +115,10 @@ impl Measured {
         if let Some(compared) = &self.compared {
             return compared.errors.clone();
         }
-        let mut errors: BTreeMap<String, f64> = BTreeMap::new();
-        let outputs = self.summary().map_or(&[][..], |run| &run.errors_over_time);
-        let all = outputs.iter().flat_map(|output| &output.errors);
-        for (field, error) in all.filter(|(_, error)| !error.l2.is_nan()) {
-            let largest = errors.entry(field.to_string()).or_insert(0.0);
-            *largest = largest.max(error.l2);
+        match self.done() {
+            true => self.first().errors(),
+            false => BTreeMap::new(),
         }
-        errors
     }
 
     /// Whether its error means something: it is one, and well above what it was measured with.

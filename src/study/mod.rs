@@ -6,6 +6,7 @@
 //! no network. A new kind is one file and one line in [`study`].
 
 mod analysis;
+mod beaten;
 mod campaign;
 mod chart;
 mod contrast;
@@ -63,6 +64,8 @@ pub(crate) struct Options {
     pub points: Vec<usize>,
     /// Few and small runs.
     pub quick: bool,
+    /// Methods as they come only: no settings are tried that may be cheaper.
+    pub defaults: bool,
 }
 
 impl Options {

@@ -98,7 +98,7 @@ impl StudyCase {
 
     /// Schemes that suit the case, as far as the user wants them, with their integrators.
     pub(crate) fn methods(&self, options: &Options) -> Vec<Method> {
-        let method = |scheme, integrator| Method { scheme, integrator };
+        let method = Method::new;
         let (second, first) = (Some("tr-bdf2"), Some("backward-euler"));
         let all = match self.is_coupled() {
             true if self.plan.damage.is_some() => vec![

@@ -15,6 +15,7 @@ const FILE: &str = "KIND.csv";
 pub(crate) const COLUMNS: &[Column] = &[
     Column::new(FILE, "scheme", "", "always", "time scheme"),
     Column::new(FILE, "solver", "", "always", "linear solver as typed"),
+    Column::new(FILE, "setting", "", "always", "how the method is set where several ways are tried, else empty: what the program takes by itself"),
     Column::new(FILE, "operator", "", "always", "operator of flow where it is varied, else empty"),
     Column::new(FILE, "contrast", "1", "contrast, stability of flow", "ratio of the permeabilities"),
     Column::new(FILE, "strength", "1", "stability of coupled cases", "strength of the coupling, α²/(s(λ + 2μ))"),
@@ -22,6 +23,7 @@ pub(crate) const COLUMNS: &[Column] = &[
     Column::new(FILE, "spacing", "m", "cost, convergence", "spacing of the points"),
     Column::new(FILE, "steps", "1", "convergence", "number of fixed steps that is asked for"),
     Column::new(FILE, "tolerance", "1", "cost", "`time.tolerance`"),
+    Column::new(FILE, "step", "s", "cost", "`time.step`, the length of all steps"),
     Column::new(FILE, "role", "1", "convergence", "what the run is for: 0 order in time, 1 verification of the reference, 2 the reference, 3 order in space"),
     Column::new(FILE, "level", "1", "without an exact solution", "place in the chain of over-resolved runs, from 0, the coarsest"),
     Column::new(FILE, "status", "", "always", "`done`, or what became of it"),
@@ -88,6 +90,7 @@ pub(super) fn entry(run: &Measured) -> Value {
     json!({
         "scheme": run.variant.scheme,
         "solver": run.variant.solver,
+        "setting": run.variant.setting,
         "operator": run.variant.operator,
         "varied": run.variant.values,
         "overrides": run.variant.overrides,
@@ -115,7 +118,9 @@ pub(super) fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
         .flat_map(|run| run.errors().into_keys())
         .collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut head: Vec<String> = ["scheme", "solver", "operator"].map(str::to_owned).into();
+    let mut head: Vec<String> = ["scheme", "solver", "setting", "operator"]
+        .map(str::to_owned)
+        .into();
     head.extend(varied.iter().map(|name| (*name).to_owned()));
     head.extend(["status", "resolved", "repetitions"].map(str::to_owned));
     head.extend(MEASURES.iter().map(|(name, _)| (*name).to_owned()));
@@ -128,6 +133,7 @@ pub(super) fn csv(runs: &[Measured]) -> Result<Vec<u8>, StudyError> {
     for run in runs {
         let (variant, first, errors) = (&run.variant, run.first(), run.errors());
         let mut cells = vec![variant.scheme.clone(), variant.solver.clone()];
+        cells.push(variant.setting.unwrap_or_default().to_owned());
         cells.push(variant.operator.clone().unwrap_or_default());
         cells.extend(varied.iter().map(|name| cell(variant.value(name))));
         cells.extend([

@@ -11,6 +11,8 @@ pub(crate) struct Variant {
     pub scheme: String,
     /// Linear solver; `-` without one.
     pub solver: String,
+    /// How the method is set, where the study tries several ways; `None` for what the program takes by itself.
+    pub setting: Option<&'static str>,
     /// Flow operator, where the study varies it.
     pub operator: Option<String>,
     /// What it varies beyond that, such as `tolerance` or `contrast`, for tables and axes.
@@ -60,6 +62,9 @@ impl Variant {
     }
 }
 
+/// Dynamic relaxation by the stiffness that the last step showed at every point (Eqs. 65 to 68), to one tolerance.
+const PRINTED: [&str; 2] = ["scheme.adr_damping=local", "scheme.adr_tolerance=1e-6"];
+
 /// A way to step through time, as the studies call and set it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Method {
@@ -67,14 +72,26 @@ pub(crate) struct Method {
     pub scheme: &'static str,
     /// Integrator, if the scheme has one.
     pub integrator: Option<&'static str>,
+    /// Whether dynamic relaxation is that of the paper.
+    pub printed: bool,
 }
 
 impl Method {
+    /// A scheme with its integrator, as the program takes it by itself.
+    pub(crate) const fn new(scheme: &'static str, integrator: Option<&'static str>) -> Self {
+        Method {
+            scheme,
+            integrator,
+            printed: false,
+        }
+    }
+
     /// As in legends.
     pub(crate) fn label(&self) -> String {
         match self.integrator {
             Some("tr-bdf2") => format!("{} TR-BDF2", self.scheme),
             Some("backward-euler") => format!("{} backward Euler", self.scheme),
+            _ if self.printed => format!("{} as printed", self.scheme),
             _ => self.scheme.to_owned(),
         }
     }
@@ -85,7 +102,13 @@ impl Method {
         let integrator = self
             .integrator
             .map(|name| format!("time.integrator=\"{name}\""));
-        scheme.into_iter().chain(integrator).collect()
+        let printed = PRINTED.iter().filter(|_| self.printed);
+        let printed = printed.map(|text| (*text).to_owned());
+        scheme
+            .into_iter()
+            .chain(integrator)
+            .chain(printed)
+            .collect()
     }
 
     /// Order in time.

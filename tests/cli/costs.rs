@@ -28,6 +28,7 @@ fn the_cost_of_a_case_without_an_exact_solution() {
         "--solvers",
         "faer-llt",
         "--quick",
+        "--defaults",
         "--out",
         "s",
     ];
@@ -76,6 +77,7 @@ fn errors_within_the_uncertainty_are_not_resolved() {
         "--solvers",
         "faer-ldlt",
         "--quick",
+        "--defaults",
         "--budget",
         "5min",
         "--out",

@@ -10,7 +10,7 @@ use crate::study::over_resolved::{LEVELS, as_level};
 use crate::study::{Options, StudyCase, Variant};
 
 /// Bounds relative to those of the scene.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+const SHARES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 const QUICK: [f64; 2] = [2.0, 1.0];
 /// Bound of a step relative to the run where the scene has none.
 const USUAL: f64 = 0.02;
@@ -35,14 +35,14 @@ pub(super) fn variants(
         let shares = if method.integrator.is_some() {
             shares
         } else {
-            &shares[..1]
+            &[1.0]
         };
         for (solver, share) in solvers
             .iter()
             .flat_map(|s| shares.iter().map(move |b| (s, *b)))
         {
             let mut variant = bounded(method.variant(Some(solver)), subject, damage, share);
-            variant.weight = weight(method.scheme, 1, f64::NAN) / share;
+            variant.weight = weight(method.scheme, 1, 1.0) / share;
             variants.push(variant);
         }
     }

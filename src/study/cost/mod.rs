@@ -5,6 +5,8 @@ mod crossover;
 mod judged;
 mod laws;
 mod reaching;
+mod settings;
+mod tried;
 mod variants;
 
 use std::collections::BTreeMap;
@@ -95,6 +97,7 @@ impl Study for Cost {
         section.text.extend(judgement);
         draw(&mut section, &groups);
         section.tables.push(reaching);
+        tried::tell(&mut section, runs, &groups);
         let mut sections = vec![section];
         // There is only one cloud where rock breaks.
         if !breaks && !done.is_empty() {

@@ -11,29 +11,93 @@ use crate::study::{Measured, Section, Table, pareto, reach};
 /// Runs below which a method is named beside the picture.
 const FEW: usize = 4;
 
-/// Draws the runs of every method, with a line through its front.
+/// A cost that runs are compared by.
+struct Cost {
+    /// Name of its picture.
+    name: &'static str,
+    title: &'static str,
+    axis: &'static str,
+    /// What a reader gains further to the left.
+    less: &'static str,
+    of: fn(&Measured) -> f64,
+    /// Whether repetitions are known to spread.
+    ranged: bool,
+}
+
+const COSTS: [Cost; 3] = [
+    Cost {
+        name: "cost",
+        title: "Error against wall time",
+        axis: "wall time [s]",
+        less: "fewer seconds",
+        of: Measured::seconds,
+        ranged: true,
+    },
+    Cost {
+        name: "cost-cpu",
+        title: "Error against processor time",
+        axis: "processor time [s]",
+        less: "fewer seconds of all processors",
+        of: |run| run.typical(|row| row.cpu_s),
+        ranged: false,
+    },
+    Cost {
+        name: "cost-memory",
+        title: "Error against memory",
+        axis: "largest memory of the process [MB]",
+        less: "less memory",
+        of: |run| run.typical(|row| 1e-6 * row.memory_bytes as f64),
+        ranged: false,
+    },
+];
+
+/// Draws the runs of every method, with a line through its front, over each cost.
 pub(super) fn draw(section: &mut Section, groups: &Groups<'_>) {
-    let marks: Vec<Marks> = groups
+    COSTS
         .iter()
-        .filter(|(_, runs)| !runs.is_empty())
-        .map(|(name, runs)| {
-            let own = pairs(runs);
-            let front = pareto(&own).into_iter().map(|i| own[i]);
-            Marks::new(name, own.iter().copied())
-                .through(front)
-                .ranged(runs, |run, wall| (wall, run.error()))
-        })
+        .for_each(|cost| draw_over(cost, section, groups));
+    let drawn = groups.values().any(|runs| !runs.is_empty());
+    let few = groups.iter().filter(|(_, runs)| runs.len() < FEW);
+    let few: Vec<String> = few
+        .map(|(name, runs)| format!("{name} ({})", runs.len()))
         .collect();
+    if !few.is_empty() && drawn {
+        let few = few.join("; ");
+        section.text.push(format!(
+            "Methods with fewer than {FEW} runs that tell an error: {few}."
+        ));
+    }
+}
+
+fn draw_over(cost: &Cost, section: &mut Section, groups: &Groups<'_>) {
+    let mark = |(name, runs): (&String, &Vec<&Measured>)| {
+        let own: Vec<Pair> = (runs.iter())
+            .map(|run| ((cost.of)(run), run.error()))
+            .filter(|(cost, _)| *cost > 0.0)
+            .collect();
+        let front: Vec<Pair> = pareto(&own).into_iter().map(|i| own[i]).collect();
+        let marks = Marks::new(name, own).through(front);
+        match cost.ranged {
+            true => marks.ranged(runs, |run, wall| (wall, run.error())),
+            false => marks,
+        }
+    };
+    let own = groups.iter().filter(|(_, runs)| !runs.is_empty());
+    let marks: Vec<Marks> = own.map(mark).collect();
+    let legend = match cost.ranged {
+        true => legend(groups.values().flatten().copied()),
+        false => legend([]),
+    };
     section.draw(
-        "cost",
+        cost.name,
         &format!(
-            "Down and left is better: less error, fewer seconds. {} The line of a method joins those of its runs that no \
-             other of them beats in both.",
-            legend(groups.values().flatten().copied())
+            "Down and left is better: less error, {}. {legend} The line of a method joins those of its runs that no other \
+             of them beats in both.",
+            cost.less
         ),
         &LinePlot {
-            title: "Error against wall time",
-            x_label: "wall time [s]",
+            title: cost.title,
+            x_label: cost.axis,
             y_label: "relative error",
             x_log: true,
             y_log: true,
@@ -41,16 +105,6 @@ pub(super) fn draw(section: &mut Section, groups: &Groups<'_>) {
             note: None,
         },
     );
-    let few = groups.iter().filter(|(_, runs)| runs.len() < FEW);
-    let few: Vec<String> = few
-        .map(|(name, runs)| format!("{name} ({})", runs.len()))
-        .collect();
-    if !few.is_empty() && !marks.is_empty() {
-        let few = few.join("; ");
-        section.text.push(format!(
-            "Methods with fewer than {FEW} runs that tell an error: {few}."
-        ));
-    }
 }
 
 /// What it costs every method to reach an error.

@@ -1,7 +1,7 @@
 //! The runs of the study of cost.
 
+use super::settings::{Setting, least_tolerance};
 use super::{STEADY, breaking, steady_only};
-use crate::plan::TimeMode;
 use crate::study::{
     Grid, Method, Options, RecordedOutput, StudyCase, StudyError, Variant, over_resolved,
 };
@@ -23,20 +23,16 @@ pub(super) fn variants(subject: &StudyCase, options: &Options) -> Result<Vec<Var
         false => Vec::new(),
     };
     let grids = subject.grids(options, range(subject, options));
-    let tolerances: &[f64] = match options.quick {
-        true => &[1e-2, 1e-3],
-        false => &[1e-2, 1e-3, 1e-4],
-    };
     let mut variants: Vec<Variant> = grids
         .iter()
-        .flat_map(|grid| on_grid(subject, options, grid, tolerances))
+        .flat_map(|grid| on_grid(subject, options, grid))
         .collect();
     if steady_only(subject) && options.wants_scheme("implicit") {
         variants.extend(steady(subject, options, &grids));
     }
     let finest = grids.iter().max_by_key(|grid| grid.along);
     if let (true, Some(finest), false) = (compared, finest, variants.is_empty()) {
-        let least = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
+        let least = least_tolerance(options);
         variants.extend(over_resolved::chain(subject, finest.along, least));
         variants = comparable(variants, &lines);
     }
@@ -92,45 +88,47 @@ fn range(subject: &StudyCase, options: &Options) -> Range {
     (40, most)
 }
 
-fn on_grid(
-    subject: &StudyCase,
-    options: &Options,
-    grid: &Grid,
-    tolerances: &[f64],
-) -> Vec<Variant> {
+/// Every method with every setting by its solvers on one cloud.
+fn on_grid(subject: &StudyCase, options: &Options, grid: &Grid) -> Vec<Variant> {
     let mut variants = Vec::new();
-    for method in subject.methods(options) {
+    for method in methods(subject, options) {
         let solvers = subject.fastest_solvers(method.scheme, options);
         let main = method.integrator == Some("tr-bdf2") && method.scheme != "semi-implicit";
         let solvers = if main { &solvers[..] } else { &solvers[..1] };
-        let adaptive = method.integrator.is_some() && subject.plan.time.mode == TimeMode::Transient;
-        let tolerances = if adaptive { tolerances } else { &[f64::NAN] };
-        for (solver, &tolerance) in solvers
+        let settings = Setting::of(&method, subject, options);
+        for (solver, setting) in solvers
             .iter()
-            .flat_map(|s| tolerances.iter().map(move |t| (s, t)))
+            .flat_map(|solver| settings.iter().map(move |setting| (solver, setting)))
         {
-            let mut variant = method
+            let variant = method
                 .variant(Some(solver))
                 .set(grid.overrides.clone())
                 .with("spacing", grid.spacing);
-            if adaptive {
-                variant = variant
-                    .set([format!("time.tolerance={tolerance:?}")])
-                    .with("tolerance", tolerance);
-            }
-            variant.weight = weight(method.scheme, grid.points, tolerance);
-            variants.push(variant);
+            let runs = setting.runs(&variant, subject.plan.time.end, options);
+            variants.extend(runs.into_iter().map(|(variant, longer)| Variant {
+                weight: weight(method.scheme, grid.points, longer),
+                ..variant
+            }));
         }
     }
     variants
 }
 
+/// Those that suit the case, and the explicit one as printed where its relaxation is another than the default.
+fn methods(subject: &StudyCase, options: &Options) -> Vec<Method> {
+    let mut methods = subject.methods(options);
+    let explicit = methods.iter().find(|method| method.scheme == "explicit");
+    let printed = explicit.map(|method| Method {
+        printed: true,
+        ..*method
+    });
+    methods.extend(printed.filter(|_| subject.is_coupled()));
+    methods
+}
+
 /// The steady state in one solve, by every solver on every cloud.
 fn steady(subject: &StudyCase, options: &Options, grids: &[Grid]) -> Vec<Variant> {
-    let method = Method {
-        scheme: "implicit",
-        integrator: None,
-    };
+    let method = Method::new("implicit", None);
     let solvers = subject.fastest_solvers(method.scheme, options);
     let pairs = grids
         .iter()
@@ -149,16 +147,13 @@ fn steady(subject: &StudyCase, options: &Options, grids: &[Grid]) -> Vec<Variant
         .collect()
 }
 
-/// Cheap first: points, tighter tolerances, and the many steps of methods without a linear system.
-pub(super) fn weight(scheme: &str, points: usize, tolerance: f64) -> f64 {
+/// Cheap first: points, runs that take `longer` than others on the same cloud, and the many steps of methods without a
+/// linear system.
+pub(super) fn weight(scheme: &str, points: usize, longer: f64) -> f64 {
     let points = points as f64;
-    let steps = match tolerance.is_finite() {
-        true => (1e-2 / tolerance).powf(0.3),
-        false => 1.0,
-    };
     match scheme {
         "explicit" => points * points,
-        "semi-implicit" => 30.0 * points * steps,
-        _ => 10.0 * points * steps,
+        "semi-implicit" => 30.0 * points * longer,
+        _ => 10.0 * points * longer,
     }
 }

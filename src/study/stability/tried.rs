@@ -18,7 +18,7 @@ pub(super) struct Candidate {
 
 /// Those that suit flow coupled with deformation, or flow alone.
 pub(super) fn tried(coupled: bool) -> Vec<Candidate> {
-    let method = |scheme, integrator| Method { scheme, integrator };
+    let method = Method::new;
     let euler = Some("backward-euler");
     let explicit = |subject: &StudyCase| Split::Explicit {
         relaxation: fixed_stress(subject),
