@@ -32,6 +32,7 @@ mod sample;
 mod scaled_mass;
 mod solid;
 mod stabilisation;
+mod varying;
 mod walls;
 mod wells;
 
@@ -60,6 +61,7 @@ pub use response::Fields;
 pub use sample::{CoupledSample, FlowSample, PointLimit, Rock, Sample, SolidSample, sample};
 pub use scaled_mass::{SHARE, undrained_modulus};
 pub use solid::SolidModel;
+pub use varying::VaryingProperty;
 pub use walls::{Drive, MovingWall, driven_walls};
 pub use wells::{Control, Well, WellNow, Wells};
 
@@ -103,6 +105,8 @@ pub struct Model<const D: usize> {
     pub material: Vec<u16>,
     /// Permeability per point, m², shape `(n,)`; empty without flow.
     pub permeability: Vec<f64>,
+    /// Other properties of the rock that vary from point to point.
+    pub varying: Arc<Vec<VaryingProperty>>,
     /// The flow problem.
     pub flow: Option<FlowModel<D>>,
     /// The mechanical problem.
@@ -178,6 +182,7 @@ impl<const D: usize> Model<D> {
             None => Places::find(plan, &cloud, &families.horizon)?,
         };
         let points = properties::assign(plan, &cloud, table)?;
+        let varying = VaryingProperty::of(&points, plan.flow.is_some());
         let in_situ = InSitu::of(plan, &cloud, &points)?;
         let bands = Bands::find(plan, &cloud)?;
         fit::check_bands(plan, &bands)?;
@@ -217,6 +222,7 @@ impl<const D: usize> Model<D> {
             cloud,
             material: points.material,
             permeability: points.permeability,
+            varying: Arc::new(varying),
             flow,
             solid: solid.map(Arc::new),
             coupling,

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::grid::Grid;
 use crate::geometry::Matrix;
 use crate::material::DamageModel;
-use crate::model::{FlowModel, Model, SolidModel};
+use crate::model::{FlowModel, Model, SolidModel, VaryingProperty};
 use crate::operators::{Damage, Lame};
 use crate::output::{
     Field, OutputError, VtuData, append_vtkhdf, create_vtkhdf, write_pvtu, write_vtu,
@@ -26,8 +26,10 @@ struct Array<'a> {
     values: Cow<'a, [f64]>,
 }
 
-/// Fields that stay as they are, and that nothing is drawn from at an output.
-const CONSTANT: [&str; 2] = ["permeability", "material_id"];
+/// Whether a field stays as it is, so that nothing is drawn from it at an output.
+fn is_constant(name: &str) -> bool {
+    ["permeability", "material_id"].contains(&name) || VaryingProperty::NAMES.contains(&name)
+}
 
 impl Array<'_> {
     /// The same field with other values.
@@ -125,7 +127,7 @@ impl<'a> Snapshot<'a> {
 impl Snapshot<'_> {
     /// The fields that pictures of outputs are drawn from.
     pub(super) fn drawn(&self) -> Snapshot<'_> {
-        let varies = |array: &&Array<'_>| !CONSTANT.contains(&array.name);
+        let varies = |array: &&Array<'_>| !is_constant(array.name);
         let arrays = self.arrays.iter().filter(varies);
         Snapshot {
             arrays: arrays
@@ -216,6 +218,8 @@ fn arrays<'a, const D: usize>(model: &'a Model<D>, state: &'a State) -> Vec<Arra
     let volume = &model.cloud.volume[..];
     arrays.push(array("volume", volume_unit(D), 1, volume));
     arrays.push(array("material_id", "", 1, material));
+    let own = |own: &'a VaryingProperty| array(own.name, own.unit, 1, &own.values[..]);
+    arrays.extend(model.varying.iter().map(own));
     arrays
 }
 

@@ -109,6 +109,35 @@ fn mechanics_alone_writes_nothing_of_flow() {
     assert_eq!(arrays(&folder.path().join("fields-0001.vtu")), expected);
 }
 
+/// What is the same at all points stands in the scene; two rocks of one modulus do not make it vary.
+#[test]
+fn properties_that_vary_are_fields() {
+    let other = |changes: &str| {
+        format!(
+            "materials.other={{youngs_modulus=\"1 GPa\", poissons_ratio=0.25, {changes} region={{type=\"box\", \
+             min=[0, 0], max=[0.5, 1]}}}}"
+        )
+    };
+    let written = |sets: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &[sets, &["output.plots=false"]].concat());
+        arrays(&folder.path().join("fields-0001.vtu"))[5..].to_vec()
+    };
+    assert!(written(&[&other("")]).is_empty());
+    let stiff = other("").replace("1 GPa", "2 GPa");
+    assert_eq!(written(&[&stiff]), ["youngs_modulus"]);
+    let drawn = "materials.rock.poissons_ratio={distribution=\"log-normal\", median=0.1, log10_std=0.05, seed=1}";
+    assert_eq!(written(&[drawn]), ["poissons_ratio"]);
+    let model = Model::<2>::of(&plan(&[&stiff])).unwrap();
+    let [modulus] = &model.varying[..] else {
+        panic!("{:?}", model.varying);
+    };
+    for (x, found) in model.cloud.position.iter().zip(&modulus.values) {
+        let expected = if x[0] < 0.5 { 2e9 } else { 1e9 };
+        assert!((found / expected - 1.0).abs() < 1e-12, "{x} {found}");
+    }
+}
+
 #[test]
 fn results_of_mechanics_are_replaced_by_the_next_run() {
     let folder = tempfile::tempdir().unwrap();

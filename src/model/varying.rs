@@ -1,0 +1,57 @@
+//! Properties of the rock that vary from point to point, for files and pictures.
+
+use super::properties::Properties;
+
+/// Difference between values, relative to them, that is rounding.
+const SAME: f64 = 1e-12;
+
+/// A property that is not the same at all points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VaryingProperty {
+    /// As in scenes.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// A value per point, shape `(n,)`.
+    pub values: Vec<f64>,
+}
+
+impl VaryingProperty {
+    /// Names of all that may vary.
+    pub(crate) const NAMES: [&str; 6] = [
+        "storage",
+        "youngs_modulus",
+        "poissons_ratio",
+        "biot_coefficient",
+        "density",
+        "fracture_energy",
+    ];
+
+    /// Those of a rock that vary, without its permeability. `flows` tells whether its storage is used.
+    pub(super) fn of(points: &Properties, flows: bool) -> Vec<Self> {
+        let lame = points.lame.iter();
+        let modulus = |sum: f64, lambda: f64, mu: f64| mu * (3.0 * lambda + 2.0 * mu) / sum;
+        let moduli = lame.clone().map(|own| modulus(own.lambda + own.mu, own.lambda, own.mu));
+        let ratios = lame.map(|own| 0.5 * own.lambda / (own.lambda + own.mu));
+        let storage = if flows { points.storage.clone() } else { Vec::new() };
+        let values = [
+            ("1/Pa", storage),
+            ("Pa", moduli.collect()),
+            ("", ratios.collect()),
+            ("", points.biot_coefficient.clone()),
+            ("kg/m^3", points.density.clone()),
+            ("J/m^2", points.fracture_energy.clone()),
+        ];
+        let all = Self::NAMES.into_iter().zip(values);
+        let all = all.map(|(name, (unit, values))| VaryingProperty { name, unit, values });
+        all.filter(|own| varies(&own.values)).collect()
+    }
+}
+
+fn varies(values: &[f64]) -> bool {
+    let bounds = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], own| {
+        [low.min(*own), high.max(*own)]
+    });
+    let [low, high] = bounds;
+    high - low > SAME * high.abs().max(low.abs())
+}
