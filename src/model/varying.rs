@@ -1,6 +1,7 @@
 //! Properties of the rock that vary from point to point, for files and pictures.
 
 use super::properties::Properties;
+use crate::operators::Lame;
 
 /// Difference between values, relative to them, that is rounding.
 const SAME: f64 = 1e-12;
@@ -29,15 +30,14 @@ impl VaryingProperty {
 
     /// Those of a rock that vary, without its permeability. `flows` tells whether its storage is used.
     pub(super) fn of(points: &Properties, flows: bool) -> Vec<Self> {
-        let lame = points.lame.iter();
-        let modulus = |sum: f64, lambda: f64, mu: f64| mu * (3.0 * lambda + 2.0 * mu) / sum;
-        let moduli = lame.clone().map(|own| modulus(own.lambda + own.mu, own.lambda, own.mu));
-        let ratios = lame.map(|own| 0.5 * own.lambda / (own.lambda + own.mu));
-        let storage = if flows { points.storage.clone() } else { Vec::new() };
+        let sum = |own: &Lame| own.lambda + own.mu;
+        let modulus = |own: &Lame| own.mu * (3.0 * own.lambda + 2.0 * own.mu) / sum(own);
+        let ratio = |own: &Lame| 0.5 * own.lambda / sum(own);
+        let storage = points.storage.iter().filter(|_| flows);
         let values = [
-            ("1/Pa", storage),
-            ("Pa", moduli.collect()),
-            ("", ratios.collect()),
+            ("1/Pa", storage.copied().collect()),
+            ("Pa", points.lame.iter().map(modulus).collect()),
+            ("", points.lame.iter().map(ratio).collect()),
             ("", points.biot_coefficient.clone()),
             ("kg/m^3", points.density.clone()),
             ("J/m^2", points.fracture_energy.clone()),
@@ -49,9 +49,7 @@ impl VaryingProperty {
 }
 
 fn varies(values: &[f64]) -> bool {
-    let bounds = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], own| {
-        [low.min(*own), high.max(*own)]
-    });
-    let [low, high] = bounds;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     high - low > SAME * high.abs().max(low.abs())
 }
