@@ -13,19 +13,21 @@ use crate::study::{Fit, Measured, Section, Table};
 /// Clouds that an order is fitted over, the finest.
 pub(super) const CLOUDS: usize = 3;
 
-/// Runs of every method at its smallest tolerance, one per grid.
+/// Runs of every method as it comes at its smallest tolerance, or its smallest step where steps are fixed: one per grid.
 fn finest_in_time<'a>(done: &[&'a Measured]) -> Groups<'a> {
     let mut chosen = Groups::new();
     for run in done {
         chosen.entry(run.variant.method()).or_default().push(run);
     }
     for runs in chosen.values_mut() {
-        let tolerance = |run: &Measured| run.variant.value("tolerance");
-        let least = runs
-            .iter()
-            .map(|run| tolerance(run))
-            .fold(f64::NAN, f64::min);
-        runs.retain(|run| least.is_nan() || tolerance(run) <= least);
+        // The first of its settings is what the program takes by itself.
+        let setting = runs.first().and_then(|run| run.variant.setting);
+        runs.retain(|run| run.variant.setting == setting);
+        for bound in ["tolerance", "step"] {
+            let own = runs.iter().map(|run| run.variant.value(bound));
+            let least = own.fold(f64::NAN, f64::min);
+            runs.retain(|run| least.is_nan() || run.variant.value(bound) <= least);
+        }
     }
     chosen
 }

@@ -134,7 +134,7 @@ fn words(subject: &StudyCase, done: &[&Measured]) -> Vec<String> {
         true => {
             "with one bound of its steps, the same for their length and for the growth of damage"
         }
-        false => "on one grid with one tolerance",
+        false => "on one grid with one tolerance or one constant step",
     };
     let repetitions = || done.iter().map(|run| run.repetitions());
     let (least, most) = (repetitions().min(), repetitions().max());

@@ -72,6 +72,26 @@ fn two_clouds_tell_neither_an_order_nor_an_exponent() {
     );
 }
 
+/// Settings are more runs on the same clouds, and no more clouds.
+#[test]
+fn settings_tell_no_orders() {
+    let on = |spacing: f64, setting| {
+        let mut run = run("implicit", 1.0 / spacing, spacing.powi(2));
+        run.variant = run.variant.with("spacing", spacing);
+        run.variant.setting = setting;
+        run
+    };
+    let relaxed = Some("relaxed to 1e-5");
+    let runs = [
+        on(0.4, None),
+        on(0.2, None),
+        on(0.4, relaxed),
+        on(0.2, relaxed),
+    ];
+    let done: Vec<&Measured> = runs.iter().collect();
+    assert!(orders(&done).0.rows.is_empty() && growth(&done).0.rows.is_empty());
+}
+
 #[test]
 fn methods_with_few_runs_are_named_and_every_run_has_one_mark() {
     let mut unfinished = run("staggered", f64::NAN, f64::NAN);
