@@ -33,23 +33,33 @@ impl VaryingProperty {
         let sum = |own: &Lame| own.lambda + own.mu;
         let modulus = |own: &Lame| own.mu * (3.0 * own.lambda + 2.0 * own.mu) / sum(own);
         let ratio = |own: &Lame| 0.5 * own.lambda / sum(own);
-        let storage = points.storage.iter().filter(|_| flows);
+        let lame = |value: &dyn Fn(&Lame) -> f64| {
+            let values = || points.lame.iter().map(value);
+            varies(values()).then(|| values().collect())
+        };
+        let own = |values: &[f64]| varies(values.iter().copied()).then(|| values.to_vec());
         let values = [
-            ("1/Pa", storage.copied().collect()),
-            ("Pa", points.lame.iter().map(modulus).collect()),
-            ("", points.lame.iter().map(ratio).collect()),
-            ("", points.biot_coefficient.clone()),
-            ("kg/m^3", points.density.clone()),
-            ("J/m^2", points.fracture_energy.clone()),
+            ("1/Pa", own(&points.storage).filter(|_| flows)),
+            ("Pa", lame(&modulus)),
+            ("", lame(&ratio)),
+            ("", own(&points.biot_coefficient)),
+            ("kg/m^3", own(&points.density)),
+            ("J/m^2", own(&points.fracture_energy)),
         ];
         let all = Self::NAMES.into_iter().zip(values);
-        let all = all.map(|(name, (unit, values))| VaryingProperty { name, unit, values });
-        all.filter(|own| varies(&own.values)).collect()
+        let varying = |(name, (unit, values)): (_, (_, Option<Vec<f64>>))| {
+            Some(VaryingProperty {
+                name,
+                unit,
+                values: values?,
+            })
+        };
+        all.filter_map(varying).collect()
     }
 }
 
-fn varies(values: &[f64]) -> bool {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+fn varies(values: impl Iterator<Item = f64>) -> bool {
+    let bounds = |[low, high]: [f64; 2], own: f64| [low.min(own), high.max(own)];
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], bounds);
     high - low > SAME * high.abs().max(low.abs())
 }

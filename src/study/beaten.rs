@@ -35,9 +35,8 @@ pub(super) fn is_beaten(index: usize, variants: &[Variant], outcomes: &[Option<O
         return false;
     }
     let spacing = |variant: &Variant| variant.value("spacing");
-    let coarser: Vec<(&Variant, &Outcome)> = (variants.iter().zip(outcomes))
+    let coarser: Vec<(&Variant, &Option<Outcome>)> = (variants.iter().zip(outcomes))
         .filter(|(other, _)| other.method() == own.method() && spacing(other) > spacing(own))
-        .filter_map(|(other, outcome)| Some((other, outcome.as_ref()?)))
         .collect();
     let next = coarser.iter().map(|(other, _)| spacing(other));
     let next = next.fold(f64::INFINITY, f64::min);
@@ -47,10 +46,14 @@ pub(super) fn is_beaten(index: usize, variants: &[Variant], outcomes: &[Option<O
         .peekable();
     let others = || on_next().filter(|(other, _)| other.setting != own.setting);
     same.peek().is_some()
-        && same.all(|(_, outcome)| match outcome.status {
-            Status::Beaten => true,
-            Status::Done => others().any(|(_, other)| beats(other, outcome)),
-            _ => false,
+        && same.all(|(_, outcome)| match outcome {
+            Some(outcome) if outcome.status == Status::Done => {
+                let others = others().filter_map(|(_, other)| other.as_ref());
+                others.into_iter().any(|other| beats(other, outcome))
+            }
+            Some(outcome) => outcome.status == Status::Beaten,
+            // Its turn is still to come.
+            None => false,
         })
 }
 

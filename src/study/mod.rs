@@ -49,7 +49,7 @@ pub(crate) use runner::Runner;
 pub use single::report_run;
 pub(crate) use subject::{Grid, StudyCase};
 pub(crate) use table::COLUMNS;
-pub(crate) use variant::{Method, Variant};
+pub(crate) use variant::{Method, PRINTED, Variant};
 
 use crate::output::{write_atomically, write_json};
 

@@ -62,8 +62,11 @@ impl Variant {
     }
 }
 
+/// What is added to the name of a scheme whose dynamic relaxation is that of the paper.
+pub(crate) const PRINTED: &str = " as printed";
+
 /// Dynamic relaxation by the stiffness that the last step showed at every point (Eqs. 65 to 68), to one tolerance.
-const PRINTED: [&str; 2] = ["scheme.adr_damping=local", "scheme.adr_tolerance=1e-6"];
+const LOCAL_DAMPING: [&str; 2] = ["scheme.adr_damping=local", "scheme.adr_tolerance=1e-6"];
 
 /// A way to step through time, as the studies call and set it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,7 +94,7 @@ impl Method {
         match self.integrator {
             Some("tr-bdf2") => format!("{} TR-BDF2", self.scheme),
             Some("backward-euler") => format!("{} backward Euler", self.scheme),
-            _ if self.printed => format!("{} as printed", self.scheme),
+            _ if self.printed => format!("{}{PRINTED}", self.scheme),
             _ => self.scheme.to_owned(),
         }
     }
@@ -102,7 +105,7 @@ impl Method {
         let integrator = self
             .integrator
             .map(|name| format!("time.integrator=\"{name}\""));
-        let printed = PRINTED.iter().filter(|_| self.printed);
+        let printed = LOCAL_DAMPING.iter().filter(|_| self.printed);
         let printed = printed.map(|text| (*text).to_owned());
         scheme
             .into_iter()

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::studies::report;
+use crate::studies::{SMALL, report};
 use crate::support::Place;
 
 /// Without an exact solution errors are distances from a run that is far finer and verified itself.
@@ -143,5 +143,38 @@ fn the_cost_of_rock_that_breaks_is_compared_on_one_cloud() {
             .iter()
             .any(|expected| (share - expected).abs() < 1e-9),
         "{judged}"
+    );
+}
+
+/// Settings are runs of their own, and the line of a method goes through the cheapest of all.
+#[test]
+fn a_study_of_cost_tries_settings_and_tells_which_were_worth_it() {
+    let place = Place::new();
+    let small = &SMALL[..SMALL.len() - 1];
+    place.succeed(&[small, &["--out", "s"]].concat());
+    let report = report(&place, "s");
+    let runs = report["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 16, "constant steps beside the adaptive ones");
+    for run in runs {
+        let constant = run["setting"] == "constant steps";
+        assert_eq!(run["varied"]["step"].is_number(), constant, "{run}");
+        assert_eq!(run["varied"]["tolerance"].is_number(), !constant, "{run}");
+        let beaten = run["status"] == "beaten";
+        assert!(run["status"] == "done" || (beaten && constant), "{run}");
+        let steps = run["measures"]["steps"].as_f64();
+        let count = run["varied"]["step"]
+            .as_f64()
+            .map(|step| (0.02 / step).round());
+        assert!(beaten || !constant || steps == count, "{run}");
+    }
+    let page = String::from_utf8(place.read("s/report.html")).unwrap();
+    assert!(page.contains("Settings that were tried") && page.contains("as it comes"));
+    for picture in ["cost.svg", "cost-cpu.svg", "cost-memory.svg"] {
+        assert!(place.path(&format!("s/{picture}")).exists(), "{picture}");
+    }
+    let table = String::from_utf8(place.read("s/cost.csv")).unwrap();
+    assert!(
+        table.starts_with("scheme,solver,setting,operator,"),
+        "{table}"
     );
 }

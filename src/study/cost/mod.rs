@@ -20,8 +20,8 @@ use self::reaching::{draw, headlines, reaching};
 use self::variants::variants;
 use super::over_resolved::{self, OverResolved};
 use super::{
-    Compared, Coverage, Measured, Options, ReportContent, Section, Study, StudyCase, StudyError,
-    Table, Variant,
+    Compared, Coverage, Measured, Options, PRINTED, ReportContent, Section, Study, StudyCase,
+    StudyError, Table, Variant,
 };
 use crate::plan::exact_pressure;
 
@@ -154,6 +154,12 @@ fn words(subject: &StudyCase, done: &[&Measured]) -> Vec<String> {
          error of all fields and outputs, relative to the range of the exact field.",
         subject.plan.case
     )];
+    if done.iter().any(|run| run.variant.scheme.ends_with(PRINTED)) {
+        words.push(format!(
+            "The explicit scheme{PRINTED} relaxes with the local damping of Eqs. 65 to 68 to 1e-6; all else is as in the \
+             explicit one."
+        ));
+    }
     if steady_only(subject) {
         words.push(
             "The exact solution of this case is that of the steady state: errors are those at the end \

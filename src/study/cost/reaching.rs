@@ -12,7 +12,7 @@ use crate::study::{Measured, Section, Table, pareto, reach};
 const FEW: usize = 4;
 
 /// A cost that runs are compared by.
-struct Cost {
+struct CostAxis {
     /// Name of its picture.
     name: &'static str,
     title: &'static str,
@@ -24,8 +24,8 @@ struct Cost {
     ranged: bool,
 }
 
-const COSTS: [Cost; 3] = [
-    Cost {
+const COSTS: [CostAxis; 3] = [
+    CostAxis {
         name: "cost",
         title: "Error against wall time",
         axis: "wall time [s]",
@@ -33,7 +33,7 @@ const COSTS: [Cost; 3] = [
         of: Measured::seconds,
         ranged: true,
     },
-    Cost {
+    CostAxis {
         name: "cost-cpu",
         title: "Error against processor time",
         axis: "processor time [s]",
@@ -41,7 +41,7 @@ const COSTS: [Cost; 3] = [
         of: |run| run.typical(|row| row.cpu_s),
         ranged: false,
     },
-    Cost {
+    CostAxis {
         name: "cost-memory",
         title: "Error against memory",
         axis: "largest memory of the process [MB]",
@@ -69,7 +69,7 @@ pub(super) fn draw(section: &mut Section, groups: &Groups<'_>) {
     }
 }
 
-fn draw_over(cost: &Cost, section: &mut Section, groups: &Groups<'_>) {
+fn draw_over(cost: &CostAxis, section: &mut Section, groups: &Groups<'_>) {
     let mark = |(name, runs): (&String, &Vec<&Measured>)| {
         let own: Vec<Pair> = (runs.iter())
             .map(|run| ((cost.of)(run), run.error()))

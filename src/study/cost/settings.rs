@@ -96,15 +96,22 @@ impl Setting {
             (_, "staggered") => &STAGGERED,
             _ => &[ADAPTIVE, CONSTANT],
         };
-        // Steps that the scene fixes have no tolerance.
+        // Steps that the scene fixes are what the program takes by itself, and have no tolerance.
         let fixed = matches!(subject.plan.time.step, StepRule::Fixed(_));
-        let wanted = all.iter().filter(|own| match own.steps {
-            Steps::Adaptive => !fixed,
+        let wanted = all.iter().map(|own| match own.steps {
+            Steps::Adaptive if fixed => Setting {
+                steps: Steps::Own,
+                ..*own
+            },
+            _ => *own,
+        });
+        let wanted = wanted.filter(|own| match own.steps {
+            Steps::Adaptive => true,
             Steps::Constant => !options.quick || own.overrides.is_empty(),
             Steps::Own => !options.quick || own.name.is_none(),
         });
         let wanted = wanted.filter(|own| !options.defaults || own.name.is_none());
-        wanted.copied().collect()
+        wanted.collect()
     }
 
     /// Runs of a method on one cloud, each with a guess of how many times longer it takes than the first.

@@ -9,8 +9,8 @@ const OWN: &str = "as it comes";
 /// Tells the settings of every method that has several, by all its runs.
 pub(super) fn tell(section: &mut Section, runs: &[Measured], groups: &Groups<'_>) {
     let mut table = Table::new(
-        "Settings that were tried. One whose runs on a cloud all took longer than a run of another setting with no more \
-         error was not run on finer clouds",
+        "Settings that were tried. One whose runs on a cloud all took longer, by more than a tenth, than a run of another \
+         setting with at most 1.1 times the error was not run on finer clouds",
         &[
             "method",
             "setting",
