@@ -4,22 +4,25 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-/// Multipoles of a cylinder that are solved for. Cylinders that fill half of the plane and conduct 1e8 times better
-/// change by 1e-12 between 9 and 10 of them, by 1e-6 where they fill 0.7 of it.
+/// Multipoles of a cylinder that are solved for.
 const MULTIPOLES: usize = 10;
+/// Largest radius, over the distance of the axes, at which they tell the conductivity: within 7e-7 of what 40 of them tell
+/// at a contrast of 1e12, where 0.49 leaves 1.6e-4.
+const LARGEST_RADIUS: f64 = 0.475;
 
 /// Conductivity across a square array of cylinders, relative to that of the rock around them; `radius` over the
-/// distance of their axes, below ½, and `contrast` of the cylinders to the rock.
+/// distance of their axes, and `contrast` of the cylinders to the rock. `None` where cylinders nearly touch, at radii above
+/// 0.475.
 ///
 /// By Rayleigh's method (Perrins, McKenzie and McPhedran 1979, Proc. R. Soc. A 369, 207): the potential around a
 /// cylinder is Σ (A r^l + B r^−l) cos lθ over odd l, A follows from B by its face, and from the B of all others by sums
 /// over the lattice.
 #[must_use]
-pub fn square_array_of_cylinders(radius: f64, contrast: f64) -> f64 {
+pub fn square_array_of_cylinders(radius: f64, contrast: f64) -> Option<f64> {
     // A = T B/a^2l at the face; B in units of a^l, so that no power overflows.
     let inverse = (1.0 - contrast) / (1.0 + contrast);
-    if inverse.abs() <= 0.0 {
-        return 1.0;
+    if radius > LARGEST_RADIUS {
+        return None;
     }
     let order = |k: usize| 2 * k as u32 + 1;
     let sums: Vec<f64> = (0..=order(MULTIPOLES)).map(lattice_sum).collect();
@@ -33,9 +36,8 @@ pub fn square_array_of_cylinders(radius: f64, contrast: f64) -> f64 {
     let system = SMatrix::<f64, MULTIPOLES, MULTIPOLES>::from_fn(term);
     let mut field = SVector::<f64, MULTIPOLES>::zeros();
     field[0] = inverse * radius;
-    let solved = system.lu().solve(&field);
-    let dipole = solved.map_or(f64::NAN, |solved| solved[0] * radius);
-    1.0 - 2.0 * PI * dipole
+    let dipole = system.lu().solve(&field)?[0] * radius;
+    Some(1.0 - 2.0 * PI * dipole)
 }
 
 /// Σ (j + ik)^(−2n) over the square lattice without its origin; that of n = 1 is summed for a field along x.
@@ -104,7 +106,7 @@ mod tests {
             (0.6, 4.342),
             (0.7, 7.433),
         ] {
-            let found = square_array_of_cylinders(radius(share), 1e12);
+            let found = square_array_of_cylinders(radius(share), 1e12).unwrap();
             assert!((found - conductivity).abs() < 5e-4, "{share}: {found}");
         }
     }
@@ -115,7 +117,7 @@ mod tests {
         for share in [1e-4, 0.1, 0.3, 0.6] {
             for contrast in [1.0, 2.0, 1e3, 1e12] {
                 let [one, other] = [contrast, 1.0 / contrast]
-                    .map(|own| square_array_of_cylinders(radius(share), own));
+                    .map(|own| square_array_of_cylinders(radius(share), own).unwrap());
                 assert!(
                     (one * other - 1.0).abs() < 1e-9,
                     "{share}, {contrast}: {one} {other}"
@@ -130,7 +132,13 @@ mod tests {
         let (share, contrast) = (1e-3, 5.0);
         let face = (1.0 + contrast) / (1.0 - contrast);
         let maxwell = 1.0 - 2.0 * share / (face + share);
-        let found = square_array_of_cylinders(radius(share), contrast);
+        let found = square_array_of_cylinders(radius(share), contrast).unwrap();
         assert!((found - maxwell).abs() < 1e-12, "{found} {maxwell}");
+    }
+
+    #[test]
+    fn cylinders_that_nearly_touch_are_not_told() {
+        assert!(square_array_of_cylinders(0.475, 2.0).is_some());
+        assert!(square_array_of_cylinders(0.476, 2.0).is_none());
     }
 }

@@ -163,7 +163,7 @@ fn off_cylinders(across: usize, contrast: f64, sets: &[&str]) -> f64 {
     let own = [&[&*points, &*within], sets].concat();
     let (summary, _) = run_case("inclusion", &own);
     // 1e-12 m²/1 mPa s under 1 MPa.
-    let exact = 1e-3 * square_array_of_cylinders(0.3, contrast);
+    let exact = 1e-3 * square_array_of_cylinders(0.3, contrast).unwrap();
     summary.outflow["right"] / exact - 1.0
 }
 

@@ -90,7 +90,8 @@ pub(super) fn known(plan: &Plan) -> Option<Known> {
     })
 }
 
-/// Mobility of a square with one cylinder in its middle, m²/(Pa s); `None` for all other scenes. Sealed sides and sides
+/// Mobility of a square with one cylinder in its middle, m²/(Pa s); `None` for all other scenes, and where the cylinder nearly touches the
+/// sides. Sealed sides and sides
 /// of one pressure mirror it, so that it is one of a square array.
 fn cylinder(plan: &Plan, size: &[f64]) -> Option<f64> {
     let [rock, other] = &plan.materials[..] else {
@@ -104,12 +105,12 @@ fn cylinder(plan: &Plan, size: &[f64]) -> Option<f64> {
     let (lower, upper) = plan.geometry.bounds()?;
     let middle = (lower.iter().zip(&upper)).map(|(low, high)| 0.5 * (low + high));
     let central = middle.zip(centre).all(|(middle, own)| same(middle, *own));
-    if !same(edge, size[1]) || !central || 2.0 * radius >= edge {
+    if !same(edge, size[1]) || !central {
         return None;
     }
     let [around, within] = [rock, other].map(|own| own.permeability.as_ref()?.uniform());
     let (around, within) = (around?, within?);
-    let relative = square_array_of_cylinders(radius / edge, within / around);
+    let relative = square_array_of_cylinders(radius / edge, within / around)?;
     Some(relative * around / plan.fluid.viscosity)
 }
 
