@@ -1,6 +1,6 @@
 //! Work on data that is stored range by range, one range per row or family.
 
-use rayon::prelude::*;
+pub(crate) use perifrac_solvers::parallel::*;
 
 /// Ranges that one task works on.
 pub(crate) const TASK: usize = 512;
@@ -25,15 +25,14 @@ pub(crate) fn by_ranges<T: Send, R: Send + Clone + Default>(
         tasks.push((first, part, results));
         rest = tail;
     }
-    tasks
-        .into_par_iter()
-        .for_each(|(first, mut part, results)| {
-            for (i, result) in (first..).zip(results) {
-                let (own, tail) = part.split_at_mut((offsets[i + 1] - offsets[i]) as usize);
-                *result = work(i, own);
-                part = tail;
-            }
-        });
+    each(&mut tasks, 1, |_, (first, part, results)| {
+        let mut part = std::mem::take(part);
+        for (i, result) in (*first..).zip(results.iter_mut()) {
+            let (own, tail) = part.split_at_mut((offsets[i + 1] - offsets[i]) as usize);
+            *result = work(i, own);
+            part = tail;
+        }
+    });
     results
 }
 

@@ -32,6 +32,7 @@ mod krylov;
 mod lattice;
 mod matrix;
 mod ordering;
+pub mod parallel;
 mod partition;
 mod petsc;
 mod preconditioner;

@@ -1,8 +1,7 @@
 //! Products, norms and checks on CSR matrices with bits that do not depend on the threads.
 
-use rayon::prelude::*;
-
 use crate::SolveError;
+use crate::parallel;
 
 /// A borrowed matrix in full row storage with sorted columns and 32-bit indices.
 pub type CsrView<'a> = sprs::CsMatViewI<'a, f64, u32>;
@@ -87,10 +86,7 @@ pub(crate) fn four_sums<C>(columns: &[C], values: &[f64], at: impl Fn(&C) -> f64
 /// If `x` is shorter than the columns or `y` longer than the rows of `matrix`.
 pub fn multiply(matrix: CsrView<'_>, x: &[f64], y: &mut [f64]) {
     let rows = Rows::new(&matrix);
-    y.par_iter_mut()
-        .with_min_len(ROWS_PER_TASK)
-        .enumerate()
-        .for_each(|(row, value)| *value = rows.times(row, x));
+    parallel::each(y, ROWS_PER_TASK, |row, value| *value = rows.times(row, x));
 }
 
 /// Computes `r = b − A x`, parallel over rows.
@@ -99,10 +95,9 @@ pub fn multiply(matrix: CsrView<'_>, x: &[f64], y: &mut [f64]) {
 /// If `x` is shorter than the columns, or `r` longer than `b` or the rows of `matrix`.
 pub fn residual(matrix: CsrView<'_>, x: &[f64], b: &[f64], r: &mut [f64]) {
     let rows = Rows::new(&matrix);
-    r.par_iter_mut()
-        .with_min_len(ROWS_PER_TASK)
-        .enumerate()
-        .for_each(|(row, value)| *value = b[row] - rows.times(row, x));
+    parallel::each(r, ROWS_PER_TASK, |row, value| {
+        *value = b[row] - rows.times(row, x);
+    });
 }
 
 /// Sum of `term(i)` for `i < length`, in chunks of fixed length that are added in order.
@@ -111,10 +106,7 @@ fn ordered_sum(length: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
         let start = chunk * SUM_CHUNK;
         (start..length.min(start + SUM_CHUNK)).map(&term).sum()
     };
-    let sums: Vec<f64> = (0..length.div_ceil(SUM_CHUNK))
-        .into_par_iter()
-        .map(partial)
-        .collect();
+    let sums = parallel::map(length.div_ceil(SUM_CHUNK), partial);
     sums.iter().sum()
 }
 
@@ -192,11 +184,7 @@ pub fn is_symmetric(matrix: CsrView<'_>, tolerance: f64) -> bool {
             (value - rows.get(*column as usize, row)).abs() <= tolerance * largest
         })
     };
-    matrix.rows() == matrix.cols()
-        && (0..matrix.rows())
-            .into_par_iter()
-            .with_min_len(ROWS_PER_TASK)
-            .all(row_is_symmetric)
+    matrix.rows() == matrix.cols() && parallel::all(matrix.rows(), ROWS_PER_TASK, row_is_symmetric)
 }
 
 /// Refuses rows with NaN or infinity, and rows of zeros. Rows of other processes are not looked at.
@@ -217,12 +205,12 @@ pub(crate) fn check_rows(
         let empty = values.iter().all(|value| value.abs() == 0.0);
         empty.then_some(SolveError::Singular { row })
     };
-    let fault = (0..matrix.rows())
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .filter(|row| owns(*row))
-        .find_map_first(check);
-    fault.map_or(Ok(()), Err)
+    let faults = parallel::gather(matrix.rows(), |row, found| {
+        if found.is_empty() && owns(row) {
+            found.extend(check(row));
+        }
+    });
+    faults.into_iter().next().map_or(Ok(()), Err)
 }
 
 /// Refuses NaN and infinity in a vector.
@@ -240,11 +228,7 @@ pub(crate) fn check_vector(what: &'static str, vector: &[f64]) -> Result<(), Sol
 /// Diagonal of a square matrix.
 pub(crate) fn diagonal(matrix: CsrView<'_>) -> Vec<f64> {
     let rows = Rows::new(&matrix);
-    (0..matrix.rows())
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .map(|row| rows.get(row, row))
-        .collect()
+    parallel::map(matrix.rows(), |row| rows.get(row, row))
 }
 
 /// Identity of a sparsity pattern: its sizes and a hash of its indices.
@@ -269,12 +253,18 @@ impl Fingerprint {
 
 /// FNV-1a over blocks of indices, then over the hashes of the blocks.
 fn hash_indices(indices: &[u32]) -> u64 {
-    let blocks: Vec<u64> = indices.par_chunks(1 << 16).map(hash_block).collect();
+    let block = |number: usize| {
+        let first = number * HASHED;
+        hash_block(&indices[first..indices.len().min(first + HASHED)])
+    };
+    let blocks = parallel::map(indices.len().div_ceil(HASHED), block);
     blocks
         .iter()
         .fold(FNV_OFFSET, |hash, block| mix(hash, *block))
 }
 
+/// Indices of a block.
+const HASHED: usize = 1 << 16;
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// Both halves of a product of 128 bits, one instruction each on any processor of 64 bits.

@@ -3,10 +3,9 @@
 //! Slower than a product with the assembled matrix; used at set-up, for boundary fluxes, and as the
 //! oracle in tests.
 
-use rayon::prelude::*;
-
 use crate::geometry::Side;
 use crate::operators::{BondForm, MirrorContinuation};
+use crate::parallel;
 
 /// Forces A_i d of the bonds of one family, written to `forces`.
 pub(crate) fn bond_force<const D: usize, F: BondForm<D>>(
@@ -47,29 +46,23 @@ pub(crate) fn force<const D: usize, F: BondForm<D>>(
     difference: &(dyn Fn(usize, usize) -> f64 + Sync),
 ) -> Vec<f64> {
     let families = &form.neighbourhood().families;
-    let per_bond: Vec<f64> = (0..families.len())
-        .into_par_iter()
-        .flat_map_iter(|owner| {
-            let differences: Vec<f64> = families
-                .family(owner)
-                .map(|b| difference(owner, b))
-                .collect();
-            let mut forces = Vec::with_capacity(differences.len());
-            bond_force(form, owner, mobility, &differences, &mut forces);
-            forces
-        })
-        .collect();
-    let mut sums: Vec<f64> = (0..families.len())
-        .into_par_iter()
-        .map(|point| {
-            let own: f64 = per_bond[families.family(point)].iter().sum();
-            let dual: f64 = families
-                .dual(point)
-                .map(|(_, bond)| extension.sign(families.image(bond)) * per_bond[bond])
-                .sum();
-            dual - own
-        })
-        .collect();
+    let per_bond: Vec<f64> = parallel::gather(families.len(), |owner, all| {
+        let differences: Vec<f64> = families
+            .family(owner)
+            .map(|b| difference(owner, b))
+            .collect();
+        let mut forces = Vec::with_capacity(differences.len());
+        bond_force(form, owner, mobility, &differences, &mut forces);
+        all.append(&mut forces);
+    });
+    let mut sums: Vec<f64> = parallel::map(families.len(), |point| {
+        let own: f64 = per_bond[families.family(point)].iter().sum();
+        let dual: f64 = families
+            .dual(point)
+            .map(|(_, bond)| extension.sign(families.image(bond)) * per_bond[bond])
+            .sum();
+        dual - own
+    });
     families.share.complete(&mut sums, 1);
     sums
 }

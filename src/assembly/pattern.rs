@@ -1,10 +1,10 @@
 //! Sparsity of an assembled operator, built row by row without triplets.
 
 use perifrac_solvers::CsrMatrix;
-use rayon::prelude::*;
 
 use crate::geometry::Families;
 use crate::operators::BondForm;
+use crate::parallel;
 
 /// Column indices of every row, sorted, diagonal included; symmetric. Rows that other processes hold
 /// are empty.
@@ -48,24 +48,21 @@ impl Pattern {
         couples: impl Fn(usize) -> bool + Sync,
     ) -> Result<Self, PatternError> {
         let rows = families.len();
-        let chunks: Vec<(Vec<u32>, Vec<u32>)> = (0..rows.div_ceil(CHUNK))
-            .into_par_iter()
-            .map_init(
-                || Marker::new(rows),
-                |marker, chunk| {
-                    let (mut counts, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
-                    for row in chunk * CHUNK..((chunk + 1) * CHUNK).min(rows) {
-                        let before = columns.len();
-                        if families.share.owns(row) {
-                            marker.row(families, &couples, row, &mut columns);
-                        }
-                        columns[before..].sort_unstable();
-                        counts.push((columns.len() - before) as u32);
-                    }
-                    (counts, columns)
-                },
-            )
-            .collect();
+        let start = || Marker::new(rows);
+        let chunk_of = |marker: &mut Marker, chunk: usize| {
+            let (mut counts, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
+            for row in chunk * CHUNK..((chunk + 1) * CHUNK).min(rows) {
+                let before = columns.len();
+                if families.share.owns(row) {
+                    marker.row(families, &couples, row, &mut columns);
+                }
+                columns[before..].sort_unstable();
+                counts.push((columns.len() - before) as u32);
+            }
+            (counts, columns)
+        };
+        let chunks: Vec<(Vec<u32>, Vec<u32>)> =
+            parallel::map_with(rows.div_ceil(CHUNK), 1, start, chunk_of);
         let nonzeros: usize = chunks.iter().map(|(_, columns)| columns.len()).sum();
         if nonzeros > u32::MAX as usize {
             return Err(PatternError { nonzeros });

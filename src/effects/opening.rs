@@ -4,11 +4,11 @@
 //! integral along the crack this is the opening there; the same sum of volumes is the width of the band. Points
 //! of cracks in other directions count by (n_i·n_j)², the share of their opening along n_i.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{CellList, Vector};
 use crate::operators::{Elastic, Response};
+use crate::parallel;
 
 /// Opening of a crack and width of its band, m.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -76,10 +76,7 @@ pub(crate) fn openings<const D: usize>(
         }
         sum
     };
-    openings
-        .par_iter_mut()
-        .enumerate()
-        .for_each(|(i, own)| *own = at(i));
+    parallel::each(&mut openings, 1, |i, own| *own = at(i));
     openings
 }
 

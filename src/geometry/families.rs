@@ -2,13 +2,12 @@
 
 use std::sync::OnceLock;
 
-use rayon::prelude::*;
-
 use super::cell_list::CellList;
 use super::lattice::are_same;
 use super::near::Near;
 use super::transpose::Dual;
 use super::{Cloud, Cutter, GeometryError, ImageTable, Lattice, Subdomain, Vector};
+use crate::parallel;
 use perifrac_solvers::Partition;
 
 /// The cloud together with its mirror images within reach, ready for radius searches.
@@ -161,13 +160,10 @@ impl<const D: usize> Families<D> {
                 (world, Subdomain::of(partition, held))
             }
         };
-        let chunks: Vec<Chunk> = (0..cloud.len().div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(cloud.len());
-                family_chunk(cloud, &world, &horizon, &share, points)
-            })
-            .collect();
+        let chunks: Vec<Chunk> = parallel::map(cloud.len().div_ceil(CHUNK), |chunk| {
+            let points = chunk * CHUNK..((chunk + 1) * CHUNK).min(cloud.len());
+            family_chunk(cloud, &world, &horizon, &share, points)
+        });
         drop(world);
         Self::from_chunks(horizon, images, share, chunks)
     }
@@ -196,8 +192,7 @@ impl<const D: usize> Families<D> {
             }
             (counts, bonds)
         };
-        let chunks = (0..horizon.len().div_ceil(CHUNK)).into_par_iter();
-        let chunks: Vec<Chunk> = chunks.map(chunk).collect();
+        let chunks: Vec<Chunk> = parallel::map(horizon.len().div_ceil(CHUNK), chunk);
         Self::from_chunks(horizon, images, share, chunks)
     }
 
@@ -266,18 +261,16 @@ impl<const D: usize> Families<D> {
             let end = image.place(&cloud.position[self.neighbour(bond)]);
             cutter.first(&cloud.position[owner], &end)
         };
-        let crack = &crack;
-        let severed = (0..self.len()).into_par_iter().flat_map_iter(|owner| {
-            self.family(owner).filter_map(move |bond| {
+        let severed: Vec<Severed> = parallel::gather(self.len(), |owner, all| {
+            all.extend(self.family(owner).filter_map(|bond| {
                 Some(Severed {
                     owner: owner as u32,
                     neighbour: self.neighbour[bond],
                     image: self.image[bond],
                     crack: crack(owner, bond)?,
                 })
-            })
+            }));
         });
-        let severed: Vec<Severed> = severed.collect();
         let mut next = severed.iter().peekable();
         let kept = self.retain(|owner, bond| {
             // Both lists run through the bonds in the same order.
@@ -418,10 +411,9 @@ fn held_families<const D: usize>(
         });
         seen
     };
-    let mut held: Vec<bool> = (0..cloud.len())
-        .into_par_iter()
-        .map(|point| own[point] || (near.holds(&cloud.position[point]) && sees_own(point)))
-        .collect();
+    let mut held: Vec<bool> = parallel::map(cloud.len(), |point| {
+        own[point] || (near.holds(&cloud.position[point]) && sees_own(point))
+    });
     watched.iter().for_each(|point| held[*point] = true);
     held
 }

@@ -1,11 +1,11 @@
 //! Horizons: how far each point sees.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::families::World;
 use super::near::Near;
 use super::{Cloud, GeometryError, ImageTable, Lattice, Vector};
+use crate::parallel;
 use perifrac_solvers::Partition;
 
 /// Rule that gives every point its horizon δ.
@@ -97,14 +97,12 @@ fn nearest_distances<const D: usize>(
             Near::new(&positions, reach)
         });
         let world = World::new(cloud, &images, reach, reach.min(widest), near.as_ref());
-        let found: Option<Vec<f64>> = (0..cloud.len())
-            .into_par_iter()
-            .map_init(Vec::new, |distances, point| match wanted(&point) {
-                true => world.nearest(cloud, point, neighbours, first[point], reach, distances),
-                false => Some(0.0),
-            })
-            .collect();
-        match found {
+        let radius = |distances: &mut Vec<f64>, point: usize| match wanted(&point) {
+            true => world.nearest(cloud, point, neighbours, first[point], reach, distances),
+            false => Some(0.0),
+        };
+        let found: Vec<Option<f64>> = parallel::map_with(cloud.len(), 1, Vec::new, radius);
+        match found.into_iter().collect::<Option<Vec<f64>>>() {
             Some(radii) => return Ok(radii.into_iter().map(|radius| radius * SLACK).collect()),
             None => reach *= 2.0,
         }

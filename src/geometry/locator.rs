@@ -1,9 +1,8 @@
 //! Places that are no points, and the points nearest to them.
 
-use rayon::prelude::*;
-
 use super::cell_list::CellList;
 use super::{Cloud, Vector};
+use crate::parallel;
 
 /// A place and the points that give the values there.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +58,7 @@ pub fn neighbour_distances<const D: usize>(cloud: &Cloud<D>) -> Vec<f64> {
             radius *= 2.0;
         }
     };
-    (0..position.len()).into_par_iter().map(nearest).collect()
+    parallel::map(position.len(), nearest)
 }
 
 /// Finds many places; pays for its preparation from a few places on.

@@ -5,10 +5,9 @@
 //! whatever the spacing does: a graded cloud has coarse cells where it has few points. A mesh tells its free
 //! surfaces itself.
 
-use rayon::prelude::*;
-
 use super::cell_list::CellList;
 use super::{Cloud, Vector};
+use crate::parallel;
 
 /// Distance of a probe from its point, in edges of the point's cell.
 const PROBE: f64 = 1.5;
@@ -95,21 +94,17 @@ fn levels<const D: usize>(cloud: &Cloud<D>) -> Vec<Level<D>> {
 fn empty_balls<const D: usize>(cloud: &Cloud<D>) -> Vec<(Vector<D>, f64)> {
     let levels = levels(cloud);
     let directions = directions::<D>();
-    let (levels, directions) = (&levels, &directions);
-    (0..cloud.len())
-        .into_par_iter()
-        .flat_map_iter(|point| {
-            let probe = move |direction: &Vector<D>| {
-                let arm = direction.component_mul(&cloud.cell[point]) * PROBE;
-                let at = cloud.position[point] + arm;
-                let domain = &cloud.domain;
-                let inside = at > domain.lower && at < domain.upper;
-                let radius = inside.then(|| clearance(cloud, levels, &at, arm.norm()))?;
-                Some((at, radius?))
-            };
-            directions.iter().filter_map(probe)
-        })
-        .collect()
+    parallel::gather(cloud.len(), |point, found| {
+        let probe = |direction: &Vector<D>| {
+            let arm = direction.component_mul(&cloud.cell[point]) * PROBE;
+            let at = cloud.position[point] + arm;
+            let domain = &cloud.domain;
+            let inside = at > domain.lower && at < domain.upper;
+            let radius = inside.then(|| clearance(cloud, &levels, &at, arm.norm()))?;
+            Some((at, radius?))
+        };
+        found.extend(directions.iter().filter_map(probe));
+    })
 }
 
 /// Distance from `at` to the nearest cell within `reach`, m; `None` where a cell reaches `at`.

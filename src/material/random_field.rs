@@ -3,9 +3,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use rayon::prelude::*;
 
 use crate::geometry::Vector;
+use crate::parallel;
 
 /// Number of random waves whose sum is the field; their sum is Gaussian to a few per cent.
 const WAVES: usize = 256;
@@ -31,16 +31,12 @@ fn standard_normal<const D: usize>(
         })
         .collect();
     let amplitude = (2.0 / WAVES as f64).sqrt();
-    positions
-        .par_iter()
-        .map(|x| {
-            amplitude
-                * waves
-                    .iter()
-                    .map(|(wave, phase)| (wave.dot(x) + phase).cos())
-                    .sum::<f64>()
-        })
-        .collect()
+    parallel::map(positions.len(), |point| {
+        let own = waves
+            .iter()
+            .map(|(wave, phase)| (wave.dot(&positions[point]) + phase).cos());
+        amplitude * own.sum::<f64>()
+    })
 }
 
 /// Log-normal field median · 10^(log10_std · z), clipped to `decades` in all around the median.

@@ -7,8 +7,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::cavitation::Voids;
 use super::coefficients::Coefficients;
 use super::diffusion::CrackBonds;
@@ -16,6 +14,7 @@ use crate::effects::{Opening, openings};
 use crate::geometry::Vector;
 use crate::material::eigen;
 use crate::operators::{BondConductance, BondForm, Elastic, MirrorContinuation, Response};
+use crate::parallel;
 
 /// Where fluid is in what is broken.
 #[derive(Clone)]
@@ -104,7 +103,7 @@ impl<const D: usize> CrackFlow<D> {
             true => self.donor[i],
             false => continues(elastic, &axes, (&self.donor, &filled), i),
         };
-        self.donor = (0..wet.len()).into_par_iter().map(donor).collect();
+        self.donor = parallel::map(wet.len(), donor);
     }
 
     /// Points that are broken and hold no fluid of a crack yet.
@@ -208,7 +207,7 @@ fn axes<const D: usize>(
         let (values, vectors) = eigen(&sum);
         vectors.column(values.imax()).into_owned()
     };
-    (0..wet.len()).into_par_iter().map(axis).collect()
+    parallel::map(wet.len(), axis)
 }
 
 /// The wet point that fills the nearest one whose crack leads on to a dry one, or [`DRY`].

@@ -14,11 +14,10 @@
 //! cells is what the operator drives through it, whatever the jumps of the mobility. On irregular clouds
 //! single cells scatter, and both sums go over the cells that a point sees in its own rock.
 
-use rayon::prelude::*;
-
 use super::FlowModel;
 use crate::geometry::{Matrix, Stencil, Vector, sources};
 use crate::operators::Crossings;
+use crate::parallel;
 
 /// Both sums of a cell.
 type Sums<const D: usize> = (Vector<D>, Matrix<D>);
@@ -43,7 +42,7 @@ impl<const D: usize> FlowModel<D> {
         let walls = self.wall_values(time);
         let drive = self.drive(pressure, &walls);
         let at = |point| self.operator.flux(&self.mobility, point, &drive);
-        let mut velocity: Vec<Vector<D>> = (0..self.points()).into_par_iter().map(at).collect();
+        let mut velocity: Vec<Vector<D>> = parallel::map(self.points(), at);
         match self.operator.flux_is_carried() {
             true => self.add_open_faces(time, &mut velocity),
             false => self.fit_beside_jumps(&drive, &mut velocity),
@@ -73,7 +72,7 @@ impl<const D: usize> FlowModel<D> {
             let inverse = invert(&(moment / volume))? / volume;
             Some(-inverse * flux)
         };
-        let found: Vec<Option<Vector<D>>> = (0..points.len()).into_par_iter().map(fit).collect();
+        let found: Vec<Option<Vector<D>>> = parallel::map(points.len(), fit);
         for (point, own) in points.iter().zip(found) {
             let point = *point as usize;
             velocity[point] = own.unwrap_or(velocity[point]);
@@ -95,13 +94,13 @@ impl<const D: usize> FlowModel<D> {
             };
             near(point, &differs)
         };
-        let all = 0..self.points();
-        let mut beside: Vec<bool> = all.clone().into_par_iter().map(jumps).collect();
+        let mut beside: Vec<bool> = parallel::map(self.points(), jumps);
         for _ in 0..GROWN {
             let grown = |point: usize| beside[point] || near(point, &|other| beside[other]);
-            beside = all.clone().into_par_iter().map(grown).collect();
+            beside = parallel::map(self.points(), grown);
         }
-        let own = all.filter(|point| beside[*point] && self.subdomain().owns(*point));
+        let own =
+            (0..self.points()).filter(|point| beside[*point] && self.subdomain().owns(*point));
         own.map(|point| point as u32).collect()
     }
 
@@ -110,8 +109,8 @@ impl<const D: usize> FlowModel<D> {
         let around = self.operator.neighbourhood();
         let crossings = Crossings::of(around, points);
         let ones = vec![1.0; around.len()];
-        let forces = |owner: &u32| {
-            let owner = *owner as usize;
+        let forces = |number: usize| {
+            let owner = crossings.owners[number] as usize;
             let difference = |bond: usize| drive(owner, bond);
             let carried = self
                 .operator
@@ -122,8 +121,7 @@ impl<const D: usize> FlowModel<D> {
             });
             (carried, unit)
         };
-        let forces: Vec<(Vec<f64>, [Vec<f64>; D])> =
-            crossings.owners.par_iter().map(forces).collect();
+        let forces: Vec<(Vec<f64>, [Vec<f64>; D])> = parallel::map(crossings.owners.len(), forces);
         let mut sums = vec![(Vector::zeros(), Matrix::zeros()); points.len()];
         for part in &crossings.parts {
             let owner = crossings.owners[part.owner as usize] as usize;

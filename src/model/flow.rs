@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use perifrac_solvers::{CsrView, Lattice};
-use rayon::prelude::*;
 
 use crate::assembly::{Consistency, Pattern, Refill, ScalarOperator};
 use crate::boundary::{self, BoundaryPlane};
 use crate::effects::{self, Column, Context, Counted};
 use crate::geometry::{Cloud, Families, Subdomain, Term, Vector};
 use crate::operators::MirrorContinuation;
+use crate::parallel;
 use crate::plan::capability::System;
 use crate::plan::{FlowPlan, Load, Plan, SideCondition};
 
@@ -285,13 +285,9 @@ impl<const D: usize> FlowModel<D> {
     /// conductances do not amplify the rounding errors of large pressures.
     pub fn subtract_exchange(&self, pressure: &[f64], result: &mut [f64]) {
         let (pattern, conductance) = (&self.pattern, &self.conductance);
-        result
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(1024)
-            .for_each(|(row, result)| {
-                *result -= exchange(pattern, conductance, pressure, row);
-            });
+        parallel::each(result, 1024, |row, result| {
+            *result -= exchange(pattern, conductance, pressure, row);
+        });
         self.subdomain().complete(result, 1);
     }
 
@@ -312,11 +308,9 @@ impl<const D: usize> FlowModel<D> {
             return;
         }
         let (pattern, values) = (&self.pattern, &self.stabilisation);
-        result
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(1024)
-            .for_each(|(row, result)| *result -= exchange(pattern, values, pressure, row));
+        parallel::each(result, 1024, |row, result| {
+            *result -= exchange(pattern, values, pressure, row);
+        });
         self.subdomain().complete(result, 1);
     }
 

@@ -4,12 +4,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
 use super::crack_flow::{CrackFlow, Spreading, WET};
 use super::{Coupling, FlowModel, Model, SolidModel};
 use crate::effects::aperture;
 use crate::operators::Response;
+use crate::parallel;
 use crate::plan::{FractureFlowPlan, Plan, TransmissivityRule};
 
 /// Properties of the intact rock, and how they change with damage.
@@ -134,7 +133,7 @@ impl<const D: usize> FractureFlow<D> {
                 )
             }
         };
-        let openings: Vec<f64> = (0..response.damage.len()).into_par_iter().map(at).collect();
+        let openings: Vec<f64> = parallel::map(response.damage.len(), at);
         let evaluated = (0..openings.len()).filter(|i| broken(*i)).count();
         self.evaluations
             .fetch_add(evaluated as u64, Ordering::Relaxed);

@@ -1,12 +1,11 @@
 //! Layers in families whose moduli vary: what lies along their bonds, and how the layers are turned.
 
-use rayon::prelude::*;
-
 use super::interfaces::{Interfaces, Run};
 use super::sample::contrast;
 use crate::geometry::{Matrix, Vector};
 use crate::material::{Backus, eigen};
 use crate::operators::{Gradient, Lame, Laminate, Layered, Neighbourhood, cells_along};
+use crate::parallel;
 
 /// Contrast of moduli within a family from which it has layers.
 pub const LAYERED: f64 = 1.01;
@@ -88,10 +87,7 @@ fn families<const D: usize>(
         }
         Some(layered)
     };
-    (0..around.len())
-        .into_par_iter()
-        .filter_map(family)
-        .collect()
+    parallel::gather(around.len(), |owner, found| found.extend(family(owner)))
 }
 
 fn vary(lame: impl Iterator<Item = Lame> + Clone) -> bool {

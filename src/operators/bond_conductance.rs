@@ -8,10 +8,10 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use super::{BondForm, Neighbourhood};
 use crate::geometry::{Matrix, Vector};
+use crate::parallel;
 
 /// Bond diffusion operator.
 #[derive(Debug, Clone)]
@@ -25,10 +25,8 @@ pub(crate) struct BondConductance<const D: usize> {
 impl<const D: usize> BondConductance<D> {
     /// Weighs all bonds.
     pub(crate) fn new(around: Arc<Neighbourhood<D>>) -> Self {
-        let families: Vec<(Vec<f64>, bool)> = (0..around.len())
-            .into_par_iter()
-            .map(|owner| family_weights(&around, owner))
-            .collect();
+        let families: Vec<(Vec<f64>, bool)> =
+            parallel::map(around.len(), |owner| family_weights(&around, owner));
         let uncorrected = families
             .iter()
             .filter(|(_, second_moment)| !second_moment)

@@ -10,10 +10,9 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::{BondForm, Coupling, Gradient, Neighbourhood, family_gradient};
 use crate::geometry::{Matrix, Vector};
+use crate::parallel;
 
 /// Correspondence diffusion operator; the mobility of the family's owner counts.
 #[derive(Debug, Clone)]
@@ -45,10 +44,8 @@ impl<const D: usize> Correspondence<D> {
         hourglass: f64,
         corrected: Option<Gradient<D>>,
     ) -> Self {
-        let bracket: Vec<Matrix<D>> = (0..around.len())
-            .into_par_iter()
-            .map(|i| bracket(&around, i, hourglass))
-            .collect();
+        let bracket: Vec<Matrix<D>> =
+            parallel::map(around.len(), |i| bracket(&around, i, hourglass));
         let couples: Vec<bool> = bracket
             .iter()
             .map(|b| corrected.is_some() || b.amax() > ISOTROPIC)

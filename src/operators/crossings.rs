@@ -4,10 +4,9 @@
 //! length is shared by samples, each of which lies in the cell of the nearest point among the bond's owner
 //! and its family. Where that is an image, the mirrored bond lies in the cell of the real point.
 
-use rayon::prelude::*;
-
 use super::Neighbourhood;
 use crate::geometry::Vector;
+use crate::parallel;
 
 /// A part of a bond in the cell of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,25 +48,20 @@ impl Crossings {
         owners.extend(points);
         owners.sort_unstable();
         owners.dedup();
-        let parts = owners
-            .par_iter()
-            .enumerate()
-            .flat_map_iter(|(number, owner)| {
-                let mut parts = Vec::new();
-                cells_along(around, *owner as usize, |bond, (point, image), share| {
-                    if cell[point] != u32::MAX {
-                        parts.push(Crossing {
-                            cell: cell[point],
-                            owner: number as u32,
-                            bond: bond as u32,
-                            image,
-                            share,
-                        });
-                    }
-                });
-                parts
+        let parts = parallel::gather(owners.len(), |number, parts| {
+            let owner = owners[number] as usize;
+            cells_along(around, owner, |bond, (point, image), share| {
+                if cell[point] != u32::MAX {
+                    parts.push(Crossing {
+                        cell: cell[point],
+                        owner: number as u32,
+                        bond: bond as u32,
+                        image,
+                        share,
+                    });
+                }
             });
-        let parts = parts.collect();
+        });
         Crossings { owners, parts }
     }
 }

@@ -2,14 +2,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
 use super::{Elastic, point_value};
 use crate::geometry::{Matrix, Vector};
 use crate::material::{
     CrackPlane, DamageLaw, DamageModel, PointResponse, PointState, Tangent, TangentKind,
 };
-use crate::parallel::by_ranges;
+use crate::parallel::{self, by_ranges};
 
 /// Damage at all points.
 #[derive(Debug)]
@@ -191,12 +189,16 @@ impl<const D: usize> Damage<D> {
         response: &Response<D>,
         softening: TangentKind,
     ) -> Vec<Tangent<D>> {
-        let at = |(owner, strain): (usize, &Matrix<D>)| {
+        let at = |owner: usize| {
             let point = self.point(elastic, fields, owner);
-            self.law
-                .tangent(&point, response.driving[owner], strain, softening)
+            self.law.tangent(
+                &point,
+                response.driving[owner],
+                &response.strain[owner],
+                softening,
+            )
         };
-        response.strain.par_iter().enumerate().map(at).collect()
+        parallel::map(response.strain.len(), at)
     }
 
     /// Derivative of the driving energy of a family, J, by its bond differences, m, into `drive`, which

@@ -1,9 +1,8 @@
 //! The mechanical divergence and its adjoint: what couples the displacement to the pressure.
 
-use rayon::prelude::*;
-
 use super::Elastic;
 use crate::geometry::Vector;
+use crate::parallel;
 
 /// Q = D(V α) div of Biot's equations, with the gradient of the mechanical operator, so that the
 /// work of the pressure on the solid and that of the solid on the fluid are the same.
@@ -26,11 +25,7 @@ impl Divergence {
                 elastic.difference(displacement, point, bond)
             })
         };
-        result
-            .par_iter_mut()
-            .enumerate()
-            .with_min_len(256)
-            .for_each(|(point, result)| *result += at(point));
+        parallel::each(result, 256, |point, result| *result += at(point));
         elastic.around.families.share.complete(result, 1);
     }
 
@@ -59,17 +54,13 @@ impl Divergence {
         let (weight, sums) = (&elastic.gradient.weight, elastic.weight_sums());
         let pairs = self.weight.iter().zip(pressure);
         let push: Vec<f64> = pairs.map(|(weight, pressure)| weight * pressure).collect();
-        result
-            .par_chunks_mut(D)
-            .enumerate()
-            .with_min_len(256)
-            .for_each(|(point, result)| {
-                let mut total = sums[point] * -push[point];
-                for (owner, bond) in families.dual(point) {
-                    total += elastic.signed(bond, weight[bond]) * push[owner];
-                }
-                (0..D).for_each(|axis| result[axis] += total[axis]);
-            });
+        parallel::chunks(result, D, 256, |point, result| {
+            let mut total = sums[point] * -push[point];
+            for (owner, bond) in families.dual(point) {
+                total += elastic.signed(bond, weight[bond]) * push[owner];
+            }
+            (0..D).for_each(|axis| result[axis] += total[axis]);
+        });
         families.share.complete(result, D);
     }
 }

@@ -11,12 +11,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rayon::prelude::*;
-
 use super::{Gradient, Laminate, Layers, MirrorContinuation, Neighbourhood};
 use crate::geometry::{Matrix, Vector};
 use crate::material::Lame;
-use crate::parallel::{TASK, by_ranges};
+use crate::parallel::{self, TASK, by_ranges};
 
 /// Elastic operator over one neighbourhood; every displacement component has its own continuation.
 #[derive(Debug, Clone)]
@@ -297,7 +295,7 @@ impl<const D: usize> Elastic<D> {
     pub fn gather(&self, forces: &[Vector<D>]) -> Vec<f64> {
         let families = &self.around.families;
         let mut sums = vec![0.0; D * self.points()];
-        let at = |(point, sums): (usize, &mut [f64])| {
+        let at = |point: usize, sums: &mut [f64]| {
             let own: Vector<D> = families.family(point).map(|bond| forces[bond]).sum();
             let dual: Vector<D> = families
                 .dual(point)
@@ -305,10 +303,7 @@ impl<const D: usize> Elastic<D> {
                 .sum();
             sums.copy_from_slice((dual - own).as_slice());
         };
-        sums.par_chunks_mut(D)
-            .enumerate()
-            .with_min_len(TASK)
-            .for_each(at);
+        parallel::chunks(&mut sums, D, TASK, at);
         families.share.complete(&mut sums, D);
         sums
     }

@@ -1,12 +1,11 @@
 //! The nonlocal gradient (Eq. 57) and its adjoint at constants, the area vectors.
 
-use rayon::prelude::*;
-
 #[cfg(test)]
 use super::MirrorContinuation;
 use super::Neighbourhood;
 use super::neighbourhood::of_bonds;
 use crate::geometry::Vector;
+use crate::parallel;
 
 /// Weights of the gradient: (∇̃f)_i = Σ_b weight_b · (bond difference of f)_b.
 #[derive(Debug, Clone)]
@@ -80,20 +79,17 @@ pub(crate) fn column_sums<const D: usize>(
 ) -> Vec<Vector<D>> {
     let families = &around.families;
     let volume = &around.cloud.volume;
-    let sums: Vec<Vector<D>> = (0..around.len())
-        .into_par_iter()
-        .map(|point| {
-            let mut sum = Vector::zeros();
-            for axis in 0..D {
-                let own: f64 = families.family(point).map(|bond| weight(axis, bond)).sum();
-                sum[axis] = -volume[point] * own;
-                for (owner, bond) in families.dual(point) {
-                    sum[axis] += volume[owner] * sign(axis, bond) * weight(axis, bond);
-                }
+    let sums: Vec<Vector<D>> = parallel::map(around.len(), |point| {
+        let mut sum = Vector::zeros();
+        for axis in 0..D {
+            let own: f64 = families.family(point).map(|bond| weight(axis, bond)).sum();
+            sum[axis] = -volume[point] * own;
+            for (owner, bond) in families.dual(point) {
+                sum[axis] += volume[owner] * sign(axis, bond) * weight(axis, bond);
             }
-            sum
-        })
-        .collect();
+        }
+        sum
+    });
     if families.share.partition().is_none() {
         return sums;
     }

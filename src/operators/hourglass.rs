@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::{BondForm, Coupling, Gradient, Neighbourhood};
 use crate::geometry::Matrix;
+use crate::parallel;
 
 /// Form Rᵀ D(V_i ω V_j) R with R f = f_j − f_i − ∇̃f_i·ξ (Eq. 10).
 #[derive(Debug, Clone)]
@@ -31,10 +30,9 @@ impl<const D: usize> Hourglass<D> {
         gradient: Arc<Gradient<D>>,
         factor: Vec<f64>,
     ) -> Self {
-        let stiffness = (0..around.len())
-            .into_par_iter()
-            .map(|i| around.shape(i) * (-factor[i] * around.cloud.volume[i]))
-            .collect();
+        let stiffness = parallel::map(around.len(), |i| {
+            around.shape(i) * (-factor[i] * around.cloud.volume[i])
+        });
         Hourglass {
             around,
             gradient,

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::geometry::{Cloud, Families, GeometryError, Influence, Matrix, Vector};
+use crate::parallel;
 
 /// Families with their weights ω V_j and shape tensors K (Eq. 56).
 #[derive(Debug, Clone)]
@@ -68,8 +67,7 @@ impl<const D: usize> Neighbourhood<D> {
                 own.unzip()
             }
             None => {
-                let shapes = (0..families.len()).into_par_iter().map(shape);
-                let shapes: Vec<(Matrix<D>, f64)> = shapes.collect();
+                let shapes: Vec<(Matrix<D>, f64)> = parallel::map(families.len(), shape);
                 shapes.into_iter().unzip()
             }
         };
@@ -125,8 +123,7 @@ pub(super) fn of_bonds<const D: usize, T: Copy + Send + Sync>(
     let value = &value;
     let family = |owner: usize| families.family(owner).map(move |bond| value(owner, bond));
     let Some(alike) = alike else {
-        let owners = (0..families.len()).into_par_iter();
-        return owners.flat_map_iter(family).collect();
+        return parallel::gather(families.len(), |owner, all| all.extend(family(owner)));
     };
     let all = of_first(alike, |owner| family(owner).collect::<Vec<T>>());
     let mut values = Vec::with_capacity(families.bonds());

@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use rayon::prelude::*;
-
 use super::columns::{exact_openings, openings};
 use super::summary::Name;
 use super::summary::units;
@@ -12,6 +10,7 @@ use super::time_loop::{Effort, Run};
 use super::{CouplingReport, FieldError, RunError, Summary, TimedErrors, WellReport};
 use crate::geometry::{Families, Side, Vector};
 use crate::model::{Faces, FlowModel};
+use crate::parallel;
 use crate::plan::{
     CrackKind, Plan, ReferenceKind, SchemeChoice, TimeMode, exact_displacement, exact_flux,
     exact_pressure, exact_well_pressure,
@@ -321,10 +320,11 @@ impl<const D: usize> Run<'_, D> {
     fn everywhere(&self, per_point: usize, value: impl Fn(&[f64], &mut [f64]) + Sync) -> Vec<f64> {
         let (cloud, share) = (&self.model.cloud, self.model.subdomain());
         let mut values = vec![0.0; per_point * cloud.len()];
-        let points = values.par_chunks_mut(per_point).enumerate();
-        points
-            .filter(|(point, _)| share.owns(*point))
-            .for_each(|(point, values)| value(cloud.position[point].as_slice(), values));
+        parallel::chunks(&mut values, per_point, 1, |point, values| {
+            if share.owns(point) {
+                value(cloud.position[point].as_slice(), values);
+            }
+        });
         share.complete(&mut values, per_point);
         values
     }

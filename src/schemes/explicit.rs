@@ -10,7 +10,6 @@
 //! was 4.5 % off after 20 s, with one 0.3 %.
 
 use perifrac_solvers::norm2;
-use rayon::prelude::*;
 
 use super::implicit::{close_fixed, weighted_flows};
 use super::memory::GrowthMonitor;
@@ -22,6 +21,7 @@ use super::{
     diffusion_limit, flow_of,
 };
 use crate::model::{FlowModel, Model, exchange};
+use crate::parallel;
 use crate::plan::Plan;
 
 /// Forward Euler.
@@ -215,13 +215,10 @@ fn advance<const D: usize>(
     new: &mut [f64],
 ) {
     let (pattern, conductance) = (&flow.pattern, &flow.conductance);
-    new.par_iter_mut()
-        .enumerate()
-        .with_min_len(1024)
-        .for_each(|(row, new)| {
-            let imbalance = rate[row] - exchange(pattern, conductance, old, row);
-            *new = old[row] + dt * imbalance / storage[row];
-        });
+    parallel::each(new, 1024, |row, new| {
+        let imbalance = rate[row] - exchange(pattern, conductance, old, row);
+        *new = old[row] + dt * imbalance / storage[row];
+    });
     for wall in &flow.walls {
         wall.each_rate(time, old, |point, rate| {
             new[point] += dt * rate / storage[point]

@@ -13,10 +13,9 @@ mod stencil;
 mod symbol;
 mod transform;
 
-use rayon::prelude::*;
-
 use crate::direct::{Direct, Factor};
 use crate::matrix::{Rows, multiply};
+use crate::parallel;
 use crate::problem::{Problem, Symmetry};
 use crate::registry::{Backend, Options};
 use crate::{CsrView, LinearSolver, SolveError, SpecError};
@@ -141,8 +140,7 @@ impl Transformed {
     fn forward(&mut self, x: &[f64]) {
         let layout = &self.layout;
         let lanes = layout.lanes();
-        let rows = self.waves.par_chunks_mut(lanes).enumerate();
-        rows.for_each(|(row, waves)| {
+        parallel::chunks(&mut self.waves, lanes, 1, |row, waves| {
             let unknown = row % layout.unknowns;
             waves.fill(0.0);
             each_place(layout, |places| {
@@ -157,15 +155,15 @@ impl Transformed {
 
     fn substitute(&mut self) {
         let (lanes, waves, rows) = (self.layout.lanes(), &self.waves, self.layout.rows());
-        let groups = self.groups.par_chunks_mut(rows).zip(&self.factors);
-        groups.enumerate().for_each(|(group, (values, factor))| {
+        let factors = &self.factors;
+        parallel::chunks(&mut self.groups, rows, 1, |group, values| {
             let start = group * WIDE;
             let own = start..lanes.min(start + WIDE);
             for (row, value) in values.iter_mut().enumerate() {
                 value[..own.len()].copy_from_slice(&waves[row * lanes..][own.clone()]);
                 value[own.len()..].fill(0.0);
             }
-            factor.solve(values);
+            factors[group].solve(values);
         });
     }
 
@@ -177,8 +175,7 @@ impl Transformed {
             .iter()
             .map(|own| 2.0 / own.transform.count as f64);
         let scale: f64 = halves.product();
-        let all = self.waves.par_chunks_mut(lanes).enumerate();
-        all.for_each(|(row, waves)| {
+        parallel::chunks(&mut self.waves, lanes, 1, |row, waves| {
             for (group, part) in waves.chunks_mut(WIDE).enumerate() {
                 part.copy_from_slice(&groups[group * rows + row][..part.len()]);
             }
@@ -188,11 +185,7 @@ impl Transformed {
             });
         });
         let waves = &self.waves;
-        let points = x
-            .par_chunks_mut(layout.unknowns)
-            .with_min_len(1024)
-            .enumerate();
-        points.for_each(|(point, values)| {
+        parallel::chunks(x, layout.unknowns, 1024, |point, values| {
             let (along, places) = layout.places(point);
             for (unknown, value) in values.iter_mut().enumerate() {
                 let row = along * layout.unknowns + unknown;
@@ -260,9 +253,8 @@ impl Factor for Transformed {
             }
         };
         let groups = self.layout.lanes().div_ceil(WIDE);
-        self.factors = (0..groups)
-            .into_par_iter()
-            .map(factor)
+        self.factors = parallel::map(groups, factor)
+            .into_iter()
             .collect::<Result<_, _>>()?;
         self.stencil = Some(stencil);
         Ok(())

@@ -1,7 +1,6 @@
 //! Elementwise vector updates, parallel over the entries.
 
-use rayon::prelude::*;
-
+use crate::parallel;
 /// Entries per parallel task: large enough to hide the cost of a task.
 const ENTRIES_PER_TASK: usize = 4096;
 
@@ -22,14 +21,14 @@ pub(super) fn set_scaled(y: &mut [f64], a: f64, x: &[f64]) {
 
 /// y ← a y.
 pub(super) fn scale(y: &mut [f64], a: f64) {
-    y.par_iter_mut()
-        .with_min_len(ENTRIES_PER_TASK)
-        .for_each(|y| *y *= a);
+    parallel::chunks(y, ENTRIES_PER_TASK, 1, |_, y| {
+        y.iter_mut().for_each(|y| *y *= a);
+    });
 }
 
 fn update(y: &mut [f64], x: &[f64], new: impl Fn(f64, f64) -> f64 + Sync) {
-    y.par_iter_mut()
-        .zip(x)
-        .with_min_len(ENTRIES_PER_TASK)
-        .for_each(|(y, x)| *y = new(*y, *x));
+    parallel::chunks(y, ENTRIES_PER_TASK, 1, |task, y| {
+        let x = &x[task * ENTRIES_PER_TASK..];
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = new(*y, *x));
+    });
 }

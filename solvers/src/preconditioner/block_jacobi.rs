@@ -3,11 +3,10 @@
 //! A symmetric block is replaced by the positive definite one with the absolute values of its
 //! eigenvalues, after its rows are scaled by the diagonal so that units do not matter.
 
-use rayon::prelude::*;
-
 use super::scaling::magnitudes;
 use super::{Preconditioner, PreconditionerWork, dense};
 use crate::matrix::Rows;
+use crate::parallel;
 use crate::problem::Symmetry;
 use crate::registry::Options;
 use crate::{CsrView, Problem, SolveError, SpecError};
@@ -60,27 +59,20 @@ impl Preconditioner for BlockJacobi {
                 *entry *= scale(index / size) * scale(index % size);
             }
         };
-        self.inverses
-            .par_chunks_mut(size * size)
-            .with_min_len(POINTS_PER_TASK)
-            .enumerate()
-            .for_each(|(point, inverse)| invert(point, inverse));
+        parallel::chunks(&mut self.inverses, size * size, POINTS_PER_TASK, invert);
         self.setups += 1;
         Ok(())
     }
 
     fn apply(&mut self, residual: &[f64], correction: &mut [f64]) {
         let size = self.per_point;
-        correction
-            .par_chunks_mut(size)
-            .zip(residual.par_chunks(size))
-            .zip(self.inverses.par_chunks(size * size))
-            .with_min_len(POINTS_PER_TASK)
-            .for_each(|((correction, residual), inverse)| {
-                for (correction, row) in correction.iter_mut().zip(inverse.chunks(size)) {
-                    *correction = row.iter().zip(residual).map(|(a, r)| a * r).sum();
-                }
-            });
+        parallel::chunks(correction, size, POINTS_PER_TASK, |point, correction| {
+            let residual = &residual[point * size..][..size];
+            let inverse = &self.inverses[point * size * size..][..size * size];
+            for (correction, row) in correction.iter_mut().zip(inverse.chunks(size)) {
+                *correction = row.iter().zip(residual).map(|(a, r)| a * r).sum();
+            }
+        });
     }
 
     fn is_symmetric(&self) -> bool {

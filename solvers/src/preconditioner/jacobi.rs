@@ -1,10 +1,9 @@
 //! Preconditioner `jacobi`: the diagonal, by absolute value if the matrix is symmetric, so that it
 //! is positive definite.
 
-use rayon::prelude::*;
-
 use super::Preconditioner;
 use super::scaling::magnitudes;
+use crate::parallel;
 use crate::problem::Symmetry;
 use crate::registry::Options;
 use crate::{CsrView, Problem, SolveError, SpecError, matrix};
@@ -41,12 +40,13 @@ impl Preconditioner for Jacobi {
     }
 
     fn apply(&mut self, residual: &[f64], correction: &mut [f64]) {
-        correction
-            .par_iter_mut()
-            .zip(residual)
-            .zip(&self.inverse)
-            .with_min_len(ENTRIES_PER_TASK)
-            .for_each(|((correction, residual), inverse)| *correction = inverse * residual);
+        parallel::chunks(correction, ENTRIES_PER_TASK, 1, |task, correction| {
+            let first = task * ENTRIES_PER_TASK;
+            let given = residual[first..].iter().zip(&self.inverse[first..]);
+            for (correction, (residual, inverse)) in correction.iter_mut().zip(given) {
+                *correction = inverse * residual;
+            }
+        });
     }
 
     fn is_symmetric(&self) -> bool {

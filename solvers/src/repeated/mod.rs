@@ -7,10 +7,9 @@ mod planes;
 
 use std::collections::HashMap;
 
-use rayon::prelude::*;
-
 use crate::CsrView;
 use crate::matrix::{Rows, four_sums};
+use crate::parallel;
 
 use self::planes::Planes;
 
@@ -78,8 +77,7 @@ impl RepeatedRows {
             first == row || is_same(rows.row(first).1, rows.row(row).1)
         };
         let count = self.kinds.len();
-        let tasks = (0..count).into_par_iter().with_min_len(ROWS_PER_TASK);
-        if matrix.rows() != count || !tasks.all(same) {
+        if matrix.rows() != count || !parallel::all(count, ROWS_PER_TASK, same) {
             return false;
         }
         let ranges = self.starts.windows(2).zip(&self.first);
@@ -130,10 +128,7 @@ impl RepeatedRows {
         if let Some(planes) = &self.planes {
             return planes.multiply(self, x, y);
         }
-        y.par_iter_mut()
-            .with_min_len(ROWS_PER_TASK)
-            .enumerate()
-            .for_each(|(row, value)| *value = self.times(row, x));
+        parallel::each(y, ROWS_PER_TASK, |row, value| *value = self.times(row, x));
     }
 
     /// Computes `r = b − A x`, parallel over rows, with the bits of [`crate::residual`].

@@ -6,9 +6,8 @@
 
 use std::collections::HashMap;
 
-use rayon::prelude::*;
-
 use super::{ROWS_PER_TASK, RepeatedRows};
+use crate::parallel;
 
 /// Most unknowns a point may have: displacement and pressure in space.
 const MOST_UNKNOWNS: usize = 4;
@@ -119,8 +118,9 @@ impl Planes {
 
     /// The same with both vectors in order of planes.
     fn products(&self, rows: &RepeatedRows, x: &[f64], y: &mut [f64]) {
-        let tasks = y.par_chunks_mut(ROWS_PER_TASK).enumerate();
-        tasks.for_each(|(task, y)| self.task(rows, x, task * ROWS_PER_TASK, y));
+        parallel::chunks(y, ROWS_PER_TASK, 1, |task, y| {
+            self.task(rows, x, task * ROWS_PER_TASK, y);
+        });
     }
 
     /// Products of the rows from place `first` on.

@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use perifrac_solvers::{CsrMatrix, CsrView, Lattice, RepeatedRows, multiply};
-use rayon::prelude::*;
 
 use crate::assembly::{
     Consistency, Pattern, PatternError, Planes, Repetition, consistent_gradient, fill_stiffness,
@@ -20,6 +19,7 @@ use crate::operators::{
     Damage, Divergence, Elastic, ElasticForce, FamilyWidths, Lame, MirrorContinuation,
     Neighbourhood, Parity,
 };
+use crate::parallel;
 use crate::plan::capability::{System, holds_stiffness};
 use crate::plan::{MechanicsPlan, Plan};
 use crate::report::Timers;
@@ -328,7 +328,7 @@ impl<const D: usize> SolidModel<D> {
             let difference = |bond| self.difference(displacement, walls, point, bond);
             self.elastic.gradient_of(point, difference)
         };
-        (0..self.elastic.points()).into_par_iter().map(at).collect()
+        parallel::map(self.elastic.points(), at)
     }
 
     /// Times at which a load's slope jumps.

@@ -1,12 +1,10 @@
 //! Families that are not those of a stencil: forces of their bonds one by one, and the points that see them.
 
-use rayon::prelude::*;
-
 use super::Work;
 use super::lattice::LatticeForce;
 use crate::geometry::Vector;
 use crate::operators::Elastic;
-use crate::parallel::{TASK, by_ranges};
+use crate::parallel::{self, TASK, by_ranges};
 
 /// Families whose bonds have forces of their own.
 #[derive(Debug, Clone)]
@@ -104,16 +102,15 @@ impl Deviating {
                 forces[first + bond - families.family(owner).start]
             }
         };
-        let at = |(point, sum): (&u32, &mut Vector<D>)| {
-            let point = *point as usize;
+        let at = |number: usize, sum: &mut Vector<D>| {
+            let point = self.near[number] as usize;
             let own = families.family(point).map(|bond| force(point, bond));
             let own: Vector<D> = own.sum();
             let dual = families.dual(point);
             let dual = dual.map(|(owner, bond)| elastic.signed(bond, force(owner, bond)));
             *sum = dual.sum::<Vector<D>>() - own;
         };
-        let points = self.near.par_iter().zip(&mut work.near);
-        points.with_min_len(TASK).for_each(at);
+        parallel::each(&mut work.near, TASK, at);
         for (point, sum) in self.near.iter().zip(&work.near) {
             let first = D * *point as usize;
             result[first..first + D].copy_from_slice(sum.as_slice());

@@ -1,9 +1,8 @@
 //! The diagonal of K, without K.
 
-use rayon::prelude::*;
-
 use crate::geometry::{Matrix, Vector};
 use crate::operators::{Elastic, Lame};
+use crate::parallel;
 
 /// Largest diagonal entry of K among the components of every point, N/m, shape `(n,)`.
 ///
@@ -12,8 +11,12 @@ use crate::operators::{Elastic, Lame};
 pub(crate) fn diagonal<const D: usize>(elastic: &Elastic<D>) -> Vec<f64> {
     let around = &elastic.around;
     let families = &around.families;
-    let shape = |inverse: &Matrix<D>| inverse.try_inverse().unwrap_or_else(Matrix::zeros);
-    let shapes: Vec<Matrix<D>> = around.inverse_shape.par_iter().map(shape).collect();
+    let shape = |point: usize| {
+        around.inverse_shape[point]
+            .try_inverse()
+            .unwrap_or_else(Matrix::zeros)
+    };
+    let shapes: Vec<Matrix<D>> = parallel::map(around.inverse_shape.len(), shape);
     let entry = |owner: usize, strain: Vector<D>, plain: Vector<D>, measure: f64| -> Vector<D> {
         let Lame { lambda, mu } = elastic.lame[owner];
         let stiffer = elastic.stiffest(owner) / (lambda + 2.0 * mu);
@@ -34,5 +37,5 @@ pub(crate) fn diagonal<const D: usize>(elastic: &Elastic<D>) -> Vec<f64> {
         });
         (own + dual.sum::<Vector<D>>()).max()
     };
-    (0..elastic.points()).into_par_iter().map(at).collect()
+    parallel::map(elastic.points(), at)
 }

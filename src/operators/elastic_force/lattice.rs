@@ -8,13 +8,12 @@
 //!
 //! so that weights of bonds are those of the stencil everywhere, and what sides take away is in K⁻¹, X and M.
 
-use rayon::prelude::*;
-
 use super::Work;
 use super::padding::{NONE, Padding, ROUNDING};
 use super::stencil::Pair;
 use crate::geometry::{Matrix, Vector};
 use crate::operators::Elastic;
+use crate::parallel;
 
 /// A lattice whose families are those of one stencil, but for those that deviate.
 #[derive(Debug, Clone)]
@@ -65,7 +64,7 @@ impl<const D: usize> LatticeForce<D> {
                 dual.map(|(owner, bond)| elastic.around.measure[bond] * h(owner))
                     .sum()
             };
-            force.springs = (0..elastic.points()).into_par_iter().map(seen).collect();
+            force.springs = parallel::map(elastic.points(), seen);
         }
         Some(force)
     }
@@ -84,7 +83,7 @@ impl<const D: usize> LatticeForce<D> {
             let sums = self.sums(elastic, &origin, point);
             sums.unwrap_or((false, [0.0; D], 0.0))
         };
-        let all: Vec<_> = (0..elastic.points()).into_par_iter().map(own).collect();
+        let all: Vec<_> = parallel::map(elastic.points(), own);
         for (point, (regular, lever, measure)) in all.into_iter().enumerate() {
             self.regular[point] = regular && around.families.family(point).len() > 1;
             (self.lever[point], self.measure[point]) = (lever, measure);
@@ -164,11 +163,10 @@ impl<const D: usize> LatticeForce<D> {
         let (stress, width) = self.widths();
         let field = &work.displacement;
         let arch = pulp::Arch::new();
-        let lines = work.stress.par_chunks_exact_mut(stress);
-        let rest = work.rest.par_chunks_exact_mut(width);
-        (lines.zip(rest).enumerate())
-            .with_min_len(TASK.div_ceil(self.padding.counts[0]))
-            .for_each(|(line, (stress, rest))| match self.padding.first[line] {
+        let least = TASK.div_ceil(self.padding.counts[0]);
+        let lists = (&mut work.stress[..], &mut work.rest[..]);
+        let respond =
+            |line: usize, stress: &mut [f64], rest: &mut [f64]| match self.padding.first[line] {
                 NONE => {}
                 first => {
                     let line = (line, first as usize);
@@ -183,7 +181,8 @@ impl<const D: usize> LatticeForce<D> {
                         ),
                     }
                 }
-            });
+            };
+        parallel::chunk_pairs(lists, (stress, width), least, respond);
         self.continue_stress(&mut work.stress);
     }
 
@@ -253,23 +252,20 @@ impl<const D: usize> LatticeForce<D> {
     pub(crate) fn second_pass(&self, work: &Work<D>, result: &mut [f64]) {
         let count = self.padding.counts[0];
         let arch = pulp::Arch::new();
-        result
-            .par_chunks_exact_mut(D * count)
-            .enumerate()
-            .with_min_len(TASK.div_ceil(count))
-            .for_each(|(line, result)| {
-                let first = line * count;
-                match D {
-                    2 => arch.dispatch(
-                        #[inline(always)]
-                        || self.collect::<16>(work, first, result),
-                    ),
-                    _ => arch.dispatch(
-                        #[inline(always)]
-                        || self.collect::<12>(work, first, result),
-                    ),
-                }
-            });
+        let least = TASK.div_ceil(count);
+        parallel::chunks(result, D * count, least, |line, result| {
+            let first = line * count;
+            match D {
+                2 => arch.dispatch(
+                    #[inline(always)]
+                    || self.collect::<16>(work, first, result),
+                ),
+                _ => arch.dispatch(
+                    #[inline(always)]
+                    || self.collect::<12>(work, first, result),
+                ),
+            }
+        });
     }
 
     /// Force of the family of a regular point on the end of one of its bonds, N, without the signs of an image.

@@ -1,9 +1,8 @@
 //! The cells of all points, with families that hold every face of them.
 
-use rayon::prelude::*;
-
 use super::cells::{Arm, Cell, Cells, cell_faces, grid_families, grid_reach, runs_along_axes};
 use crate::geometry::{Cloud, Families, GeometryError};
+use crate::parallel;
 
 /// Families, and the cell of every point that is held here.
 #[derive(Debug, Clone)]
@@ -77,7 +76,7 @@ impl<const D: usize> Tessellation<D> {
         };
         let equal = matches!(kind, Cells::Lattice | Cells::Oblique);
         let Some(alike) = equal.then(|| families.alike(cloud)).flatten() else {
-            let cells = (0..families.len()).into_par_iter().map(cell).collect();
+            let cells = parallel::map(families.len(), cell);
             return Tessellation {
                 families,
                 kind,

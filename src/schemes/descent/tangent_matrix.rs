@@ -1,13 +1,13 @@
 //! The stiffness of a damaged solid: refilled where its tangents moved.
 
 use perifrac_solvers::CsrMatrix;
-use rayon::prelude::*;
 
 use crate::assembly::{Moduli, fill_rows};
 use crate::geometry::{Matrix, Vector};
 use crate::material::{Tangent, TangentKind};
 use crate::model::SolidModel;
 use crate::operators::{Damage, DamageFields, Elastic, Response};
+use crate::parallel;
 use crate::plan::DescentSettings;
 
 /// Tangents of all points and the matrix made of them.
@@ -106,7 +106,7 @@ impl<const D: usize> TangentMatrix<D> {
             let weakest = next[i].shear.amin() / elastic.lame[i].mu;
             distance > self.kept.min(self.worn * weakest) || integrity.abs() > self.worn
         };
-        let changed: Vec<bool> = (0..next.len()).into_par_iter().map(moved).collect();
+        let changed: Vec<bool> = parallel::map(next.len(), moved);
         let count = changed.iter().filter(|changed| **changed).count();
         if count == 0 {
             return false;

@@ -1,11 +1,11 @@
 //! The matrix of displacement and pressure of a breaking solid: all of its blocks change.
 
 use perifrac_solvers::CsrMatrix;
-use rayon::prelude::*;
 
 use crate::geometry::Vector;
 use crate::model::{Coupling, CrackFlow, FlowModel, SolidModel};
 use crate::operators::Response;
+use crate::parallel;
 use crate::schemes::StepError;
 use crate::schemes::descent::TangentMatrix;
 use crate::schemes::layout::Layout;
@@ -199,15 +199,12 @@ fn stiffness_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -
     let unknown = |u: usize| u / D * width + u % D;
     let offsets = solid.stiffness.indptr();
     let columns = solid.stiffness.indices();
-    let row = |row: usize| -> Vec<u32> {
+    let row = |row: usize| {
         let range = offsets.outer_inds_sz(row);
-        let place = |&column: &u32| place(matrix, unknown(row), unknown(column as usize));
-        columns[range].iter().map(place).collect()
+        let place = move |&column: &u32| place(matrix, unknown(row), unknown(column as usize));
+        columns[range].iter().map(place)
     };
-    (0..solid.unknowns())
-        .into_par_iter()
-        .flat_map_iter(row)
-        .collect()
+    parallel::gather(solid.unknowns(), |own, all| all.extend(row(own)))
 }
 
 fn content_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -> Vec<[u32; 4]> {
@@ -228,10 +225,7 @@ fn content_places<const D: usize>(solid: &SolidModel<D>, matrix: &CsrMatrix) -> 
             })
         })
     };
-    (0..families.len())
-        .into_par_iter()
-        .flat_map_iter(family)
-        .collect()
+    parallel::gather(families.len(), |owner, all| all.extend(family(owner)))
 }
 
 /// Entries off the diagonal in rows and columns of fixed pressures.

@@ -1,7 +1,6 @@
 //! Damped motion to equilibrium; one pseudo-step is the unit of time.
 
-use rayon::prelude::*;
-
+use crate::parallel;
 use crate::plan::{AdrDamping, SchemeOptions};
 
 /// Largest local stiffness in units of the fictitious mass: keeps damping stable (Eq. 68).
@@ -73,21 +72,17 @@ impl<'a> Motion<'a> {
                     true => ((2.0 - damping) / (2.0 + damping), 2.0 / (2.0 + damping)),
                     false => (0.0, 0.5),
                 };
-                let mass = self.mass.par_chunks(TASK);
-                let velocity = self.velocity.par_chunks_mut(D * TASK);
-                let force = force.par_chunks(D * TASK);
-                velocity
-                    .zip(force)
-                    .zip(mass)
-                    .for_each(|((own, force), mass)| {
-                        let points = own.chunks_exact_mut(D).zip(force.chunks_exact(D));
-                        for ((own, force), mass) in points.zip(mass) {
-                            let share = share / mass;
-                            for axis in 0..D {
-                                own[axis] = kept * own[axis] + share * force[axis];
-                            }
+                let mass = self.mass;
+                parallel::chunks(&mut self.velocity, D * TASK, 1, |task, own| {
+                    let force = force[D * TASK * task..].chunks_exact(D);
+                    let points = own.chunks_exact_mut(D).zip(force);
+                    for ((own, force), mass) in points.zip(&mass[TASK * task..]) {
+                        let share = share / mass;
+                        for axis in 0..D {
+                            own[axis] = kept * own[axis] + share * force[axis];
                         }
-                    });
+                    }
+                });
             }
         }
         self.started = true;

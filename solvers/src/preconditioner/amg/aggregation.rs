@@ -1,8 +1,7 @@
 //! Strength of coupling and aggregates of points.
 
-use rayon::prelude::*;
-
 use super::block::{BlockPattern, BlockRows, ROWS_PER_TASK};
+use crate::parallel;
 
 /// A point of no aggregate: coupled to nothing, solved by the smoother.
 pub(super) const NONE: u32 = u32::MAX;
@@ -20,11 +19,9 @@ pub(super) struct Couplings {
 impl Couplings {
     pub(super) fn of(matrix: &dyn BlockRows) -> Self {
         let rows = matrix.pattern().rows();
-        let (norms, free): (Vec<_>, Vec<_>) = (0..rows)
-            .into_par_iter()
-            .with_min_len(ROWS_PER_TASK)
-            .map_init(Vec::new, |buffer, row| row_norms(matrix, row, buffer))
-            .unzip();
+        let norms_of = |buffer: &mut Vec<f64>, row: usize| row_norms(matrix, row, buffer);
+        let rows = parallel::map_with(rows, ROWS_PER_TASK, Vec::new, norms_of);
+        let (norms, free): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
         let coupled = free.iter().map(|free: &RowFreedom| free.coupled).collect();
         let free = free.into_iter().flat_map(|row| row.free).collect();
         let strength = relative(matrix.pattern(), &norms);
@@ -92,11 +89,7 @@ fn relative(pattern: &BlockPattern, norms: &[Vec<f64>]) -> Vec<f32> {
         });
         relative.collect()
     };
-    let rows: Vec<Vec<f32>> = (0..pattern.rows())
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .map(row_of)
-        .collect();
+    let rows: Vec<Vec<f32>> = parallel::map(pattern.rows(), row_of);
     rows.concat()
 }
 

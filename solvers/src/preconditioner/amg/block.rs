@@ -1,9 +1,8 @@
 //! Sparse matrices of small dense blocks, one block row per point or aggregate.
 
-use rayon::prelude::*;
-
 use super::kernel::{Entry, row_kernel};
 use crate::matrix::Rows;
+use crate::parallel;
 
 /// Block rows per parallel task.
 pub(in crate::preconditioner) const ROWS_PER_TASK: usize = 256;
@@ -52,11 +51,7 @@ impl BlockPattern {
             blocks.dedup();
             blocks
         };
-        let rows: Vec<Vec<u32>> = (0..points)
-            .into_par_iter()
-            .with_min_len(ROWS_PER_TASK)
-            .map(row_of)
-            .collect();
+        let rows: Vec<Vec<u32>> = parallel::map(points, row_of);
         Self::from_rows(rows.into_iter())
     }
 
@@ -178,7 +173,7 @@ impl<T: Entry> BlockMatrix<T> {
         } else {
             1.0
         };
-        let task = |(task, out): (usize, &mut [f64])| {
+        let task = |task: usize, out: &mut [f64]| {
             let first = task * ROWS_PER_TASK;
             let rows = out.chunks_exact_mut(self.height).enumerate();
             for (row, out) in rows.map(|(offset, out)| (first + offset, out)) {
@@ -191,10 +186,8 @@ impl<T: Entry> BlockMatrix<T> {
                 kernel(self.pattern.row(row), self.row_values(row), x, sign, out);
             }
         };
-        out[..self.rows() * self.height]
-            .par_chunks_mut(ROWS_PER_TASK * self.height)
-            .enumerate()
-            .for_each(task);
+        let out = &mut out[..self.rows() * self.height];
+        parallel::chunks(out, ROWS_PER_TASK * self.height, 1, task);
     }
 
     /// The transposed matrix; `columns` is the number of block columns.
@@ -217,17 +210,17 @@ impl<T: Entry> BlockMatrix<T> {
     }
 }
 
-/// The blocks of each row with its number, to be written in parallel.
+/// The blocks of each row, to be written in parallel.
 pub(in crate::preconditioner) fn rows_of<'a, T>(
     pattern: &BlockPattern,
     values: &'a mut [T],
     area: usize,
-) -> Vec<(usize, &'a mut [T])> {
+) -> Vec<&'a mut [T]> {
     let mut rest = values;
     let mut rows = Vec::with_capacity(pattern.rows());
     for row in 0..pattern.rows() {
         let (values, tail) = rest.split_at_mut(pattern.range(row).len() * area);
-        rows.push((row, values));
+        rows.push(values);
         rest = tail;
     }
     rows

@@ -1,7 +1,5 @@
 //! The levels: built once, refreshed where values changed.
 
-use rayon::prelude::*;
-
 use super::aggregation::{Aggregates, Couplings, aggregate};
 use super::block::{BlockMatrix, BlockPattern, BlockRows, ROWS_PER_TASK, rows_of};
 use super::coarsest::Coarsest;
@@ -10,6 +8,7 @@ use super::smoother::{Polynomial, Smoother};
 use super::tentative::tentative;
 use super::transfer::Transfer;
 use crate::SolveError;
+use crate::parallel;
 
 /// Coarsening that leaves more than this part of the points has come to its end.
 const STALLED: f64 = 0.7;
@@ -190,18 +189,16 @@ fn coarsen(pattern: &BlockPattern, couplings: &Couplings, threshold: f64) -> Opt
 /// Copies a matrix in single precision. Returns which rows have other values than before.
 fn fill(matrix: &mut BlockMatrix<f32>, source: &dyn BlockRows) -> Vec<bool> {
     let area = matrix.area();
-    rows_of(&matrix.pattern, &mut matrix.values, area)
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .map_init(Vec::new, |buffer, (row, out)| {
-            source.load(row, buffer);
-            let mut changed = false;
-            for (out, value) in out.iter_mut().zip(buffer.iter()) {
-                let value = *value as f32;
-                changed |= out.to_bits() != value.to_bits();
-                *out = value;
-            }
-            changed
-        })
-        .collect()
+    let rows = rows_of(&matrix.pattern, &mut matrix.values, area);
+    let mut rows: Vec<(&mut [f32], bool)> = rows.into_iter().map(|own| (own, false)).collect();
+    parallel::each_with(&mut rows, ROWS_PER_TASK, Vec::new, |buffer, row, own| {
+        source.load(row, buffer);
+        let (out, changed) = own;
+        for (out, value) in out.iter_mut().zip(buffer.iter()) {
+            let value = *value as f32;
+            *changed |= out.to_bits() != value.to_bits();
+            *out = value;
+        }
+    });
+    rows.into_iter().map(|(_, changed)| changed).collect()
 }

@@ -1,9 +1,8 @@
 //! Products of block matrices: the pattern once, the values of all or of some rows often.
 
-use rayon::prelude::*;
-
 use super::block::{BlockMatrix, BlockPattern, BlockRows, ROWS_PER_TASK, rows_of};
 use super::kernel::{Entry, Sizes, add_product};
+use crate::parallel;
 
 /// Memory of one task: where each column of the current row is stored, and its blocks.
 struct Workspace {
@@ -42,11 +41,12 @@ pub(in crate::preconditioner) fn product_pattern(
         found.sort_unstable();
         found
     };
-    let rows: Vec<Vec<u32>> = (0..left.rows())
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .map_init(|| vec![u32::MAX; columns], row_of)
-        .collect();
+    let rows: Vec<Vec<u32>> = parallel::map_with(
+        left.rows(),
+        ROWS_PER_TASK,
+        || vec![u32::MAX; columns],
+        row_of,
+    );
     BlockPattern::from_rows(rows.into_iter())
 }
 
@@ -67,19 +67,16 @@ pub(in crate::preconditioner) fn multiply_rows<T: Entry, U: Entry>(
     };
     let kernel = product_row::<T>(sizes);
     let pattern = &product.pattern;
-    rows_of(pattern, &mut product.values, height * width)
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .filter(|(row, _)| chosen(*row))
-        .for_each_init(
-            || Workspace::new(columns),
-            |work, (row, out)| {
-                kernel(left, right, pattern.row(row), sizes, work, row);
-                for (out, sum) in out.iter_mut().zip(&work.sum) {
-                    *out = U::from_f64(*sum);
-                }
-            },
-        );
+    let mut rows = rows_of(pattern, &mut product.values, height * width);
+    let start = || Workspace::new(columns);
+    parallel::each_with(&mut rows, ROWS_PER_TASK, start, |work, row, out| {
+        if chosen(row) {
+            kernel(left, right, pattern.row(row), sizes, work, row);
+            for (out, sum) in out.iter_mut().zip(&work.sum) {
+                *out = U::from_f64(*sum);
+            }
+        }
+    });
 }
 
 /// Leaves one row of the product in `work.sum`: (left, right, columns, sizes, work, row).

@@ -1,10 +1,9 @@
 //! Chebyshev polynomials of the matrix preconditioned by the inverses of its diagonal blocks.
 
-use rayon::prelude::*;
-
 use super::block::{BlockMatrix, BlockPattern, BlockRows, ROWS_PER_TASK, Update, rows_of};
 use super::dense::{invert, largest_eigenvalue};
 use crate::dot;
+use crate::parallel;
 
 /// Lanczos steps for the largest eigenvalue.
 const STEPS: usize = 20;
@@ -51,16 +50,20 @@ impl Smoother {
     ) {
         let is_changed = |row: usize| changed.is_none_or(|changed| changed[row]);
         let (size, pattern) = (matrix.height, &matrix.pattern);
-        rows_of(&self.inverse.pattern, &mut self.inverse.values, size * size)
-            .into_par_iter()
-            .with_min_len(ROWS_PER_TASK)
-            .filter(|(row, _)| is_changed(*row))
-            .for_each_init(Vec::new, |buffer, (row, inverse)| {
-                source.load(row, buffer);
-                let own = pattern.find(row, row).unwrap_or(pattern.starts[row]);
-                let offset = (own - pattern.starts[row]) * size * size;
-                invert(&buffer[offset..][..size * size], size, inverse);
-            });
+        let mut rows = rows_of(&self.inverse.pattern, &mut self.inverse.values, size * size);
+        parallel::each_with(
+            &mut rows,
+            ROWS_PER_TASK,
+            Vec::new,
+            |buffer, row, inverse| {
+                if is_changed(row) {
+                    source.load(row, buffer);
+                    let own = pattern.find(row, row).unwrap_or(pattern.starts[row]);
+                    let offset = (own - pattern.starts[row]) * size * size;
+                    invert(&buffer[offset..][..size * size], size, inverse);
+                }
+            },
+        );
         let found = MARGIN * self.largest_eigenvalue(matrix, is_changed);
         self.bound = if changed.is_some() {
             self.bound.max(found)
@@ -189,19 +192,17 @@ impl Lanczos {
 /// d ← carry d + gain z, x ← x + d; at the first step d has no content yet.
 fn advance(d: &mut [f64], z: &[f64], x: &mut [f64], carry: f64, gain: f64, first: bool) {
     let chunk = 4 * ROWS_PER_TASK;
-    d.par_chunks_mut(chunk)
-        .zip(z.par_chunks(chunk))
-        .zip(x.par_chunks_mut(chunk))
-        .for_each(|((d, z), x)| {
-            for ((d, z), x) in d.iter_mut().zip(z).zip(x) {
-                *d = if first {
-                    gain * z
-                } else {
-                    carry * *d + gain * z
-                };
-                *x += *d;
-            }
-        });
+    parallel::chunk_pairs((d, x), (chunk, chunk), 1, |task, d, x| {
+        let z = &z[task * chunk..];
+        for ((d, z), x) in d.iter_mut().zip(z).zip(x) {
+            *d = if first {
+                gain * z
+            } else {
+                carry * *d + gain * z
+            };
+            *x += *d;
+        }
+    });
 }
 
 /// Deterministic numbers in [−1, 1] without any pattern a matrix could share.

@@ -1,10 +1,9 @@
 //! The tentative prolongation: an orthonormal basis of the near-nullspace on each aggregate.
 
-use rayon::prelude::*;
-
 use super::aggregation::{Aggregates, NONE};
 use super::block::{BlockMatrix, BlockPattern};
 use super::modes::Modes;
+use crate::parallel;
 
 /// A mode that the others of an aggregate explain up to this part is left out: rotations of
 /// single points, one rotation of collinear points.
@@ -37,10 +36,9 @@ pub(super) fn tentative(
 ) -> Tentative {
     let count = modes.count;
     let members = aggregates.members();
-    let factors: Vec<Factors> = members
-        .par_iter()
-        .map(|members| factorise(members, modes, free, size))
-        .collect();
+    let factors: Vec<Factors> = parallel::map(members.len(), |aggregate| {
+        factorise(&members[aggregate], modes, free, size)
+    });
     let rows = aggregates.of.iter().map(|aggregate| match *aggregate {
         NONE => Vec::new(),
         aggregate => vec![aggregate],

@@ -1,11 +1,10 @@
 //! From one level to the next: smoothed prolongation and Galerkin product.
 
-use rayon::prelude::*;
-
 use super::block::{BlockMatrix, BlockRows, ROWS_PER_TASK, Update, rows_of};
 use super::product::{multiply_rows, product_pattern};
 use super::smoother::Smoother;
 use super::tentative::Tentative;
+use crate::parallel;
 
 /// Damping of the Jacobi step that smooths the prolongation, in units of 1 / λ_max.
 const DAMPING: f64 = 4.0 / 3.0;
@@ -60,7 +59,7 @@ impl Transfer {
             let members = self.restriction.pattern.row(row);
             changed.is_none_or(|changed| members.iter().any(|point| changed[*point as usize]))
         };
-        let reached: Vec<bool> = (0..columns).into_par_iter().map(reached).collect();
+        let reached: Vec<bool> = parallel::map(columns, reached);
         let (left, right) = (&self.restriction, &self.product);
         multiply_rows(left, right, &mut self.coarse, columns, |row| reached[row]);
         symmetrise(&mut self.coarse, &reached);
@@ -116,18 +115,16 @@ fn smoothed(
     multiply_rows(source, tentative, &mut product, columns, |_| true);
     let mut prolongation = BlockMatrix::<f32>::zeros(product.pattern.clone(), height, width);
     let area = height * width;
-    rows_of(&product.pattern, &mut prolongation.values, area)
-        .into_par_iter()
-        .with_min_len(ROWS_PER_TASK)
-        .for_each(|(row, out)| {
-            let blocks = product.row_values(row).chunks_exact(area);
-            let blocks = blocks.zip(out.chunks_exact_mut(area));
-            for (column, (block, out)) in product.pattern.row(row).iter().zip(blocks) {
-                let own = tentative.pattern.row(row).first() == Some(column);
-                let start = if own { tentative.row_values(row) } else { &[] };
-                smooth_block(start, block, smoother, row, out);
-            }
-        });
+    let mut rows = rows_of(&product.pattern, &mut prolongation.values, area);
+    parallel::each(&mut rows, ROWS_PER_TASK, |row, out| {
+        let blocks = product.row_values(row).chunks_exact(area);
+        let blocks = blocks.zip(out.chunks_exact_mut(area));
+        for (column, (block, out)) in product.pattern.row(row).iter().zip(blocks) {
+            let own = tentative.pattern.row(row).first() == Some(column);
+            let start = if own { tentative.row_values(row) } else { &[] };
+            smooth_block(start, block, smoother, row, out);
+        }
+    });
     prolongation
 }
 
