@@ -9,32 +9,49 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Parts that a thread gets, so that one with less work takes over from another.
-const PARTS_PER_THREAD: usize = 16;
-
 /// Calls `work` with parts of `0..items`, which are disjoint, cover it, and have `least` items or more where there are
-/// as many.
+/// as many. A part that a thread takes over from another is divided further.
 pub fn parts(items: usize, least: usize, work: &(dyn Fn(Range<usize>) + Sync)) {
     let threads = rayon::current_num_threads();
-    let longest = match threads {
-        1 => items,
-        _ => items.div_ceil(threads * PARTS_PER_THREAD).max(least),
-    };
-    split(0..items, longest.max(1), work);
+    if threads > 1 {
+        let least = least.max(1);
+        let task = Task {
+            threads,
+            least,
+            work,
+        };
+        task.split(0..items, threads, false);
+    } else if items > 0 {
+        work(0..items);
+    }
 }
 
-fn split(items: Range<usize>, longest: usize, work: &(dyn Fn(Range<usize>) + Sync)) {
-    if items.len() <= longest {
-        if !items.is_empty() {
-            work(items);
+struct Task<'a> {
+    threads: usize,
+    least: usize,
+    work: &'a (dyn Fn(Range<usize>) + Sync),
+}
+
+impl Task<'_> {
+    /// Divides a part as parallel iterators do: `halvings` counts down, and begins anew where the part has `moved` to
+    /// another thread.
+    fn split(&self, items: Range<usize>, halvings: usize, moved: bool) {
+        if items.len() / 2 < self.least || halvings == 0 && !moved {
+            if !items.is_empty() {
+                (self.work)(items);
+            }
+            return;
         }
-        return;
+        let halvings = match moved {
+            true => self.threads.max(halvings / 2),
+            false => halvings / 2,
+        };
+        let middle = items.start + items.len() / 2;
+        rayon::join_context(
+            |context| self.split(items.start..middle, halvings, context.migrated()),
+            |context| self.split(middle..items.end, halvings, context.migrated()),
+        );
     }
-    let middle = items.start + items.len() / 2;
-    rayon::join(
-        || split(items.start..middle, longest, work),
-        || split(middle..items.end, longest, work),
-    );
 }
 
 /// Places of results, of which every part of a loop writes its own.
