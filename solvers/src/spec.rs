@@ -123,7 +123,7 @@ impl FromStr for SolverSpec {
         for option in options.into_iter().flat_map(|options| options.split(',')) {
             spec.push_option(backend, option)?;
         }
-        spec.options.sort();
+        spec.options.sort_unstable();
         Ok(spec)
     }
 }

@@ -278,7 +278,7 @@ mod tests {
                 let bonds = searched.family(point);
                 let length = |bond| searched.bond_vector(&cloud, point, bond).norm();
                 let mut lengths: Vec<f64> = bonds.map(length).collect();
-                lengths.sort_by(f64::total_cmp);
+                lengths.sort_unstable_by(f64::total_cmp);
                 assert!((lengths[neighbours - 1] - found).abs() < 1e-14);
             }
         }

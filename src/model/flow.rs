@@ -438,7 +438,7 @@ impl<const D: usize> FlowModel<D> {
             .chain(self.wells.loads())
             .flat_map(|load| load.breakpoints().to_vec());
         let mut times: Vec<f64> = effects.chain(loads).collect();
-        times.sort_by(f64::total_cmp);
+        times.sort_unstable_by(f64::total_cmp);
         times.dedup();
         times
     }

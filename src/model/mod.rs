@@ -265,7 +265,7 @@ impl<const D: usize> Model<D> {
         let flow = self.flow.iter().flat_map(FlowModel::breakpoints);
         let solid = self.solid.iter().flat_map(|solid| solid.breakpoints());
         let mut times: Vec<f64> = flow.chain(solid).collect();
-        times.sort_by(f64::total_cmp);
+        times.sort_unstable_by(f64::total_cmp);
         times.dedup();
         times
     }

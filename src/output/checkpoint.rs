@@ -150,7 +150,7 @@ pub fn list(folder: &Path) -> Vec<PathBuf> {
             && number.is_some_and(|number| number.parse::<u64>().is_ok())
     };
     let mut found: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_one).collect();
-    found.sort();
+    found.sort_unstable();
     found.reverse();
     found
 }

@@ -42,7 +42,7 @@ pub(super) fn places_of(key: &str) -> Vec<String> {
         let own = |(path, _): &&(String, _)| path.rsplit('.').next() == Some(key);
         let mut places: Vec<String> = keys.iter().filter(own).map(|(p, _)| p.clone()).collect();
         if !places.is_empty() {
-            places.sort();
+            places.sort_unstable();
             places.dedup();
             return places;
         }

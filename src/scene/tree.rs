@@ -221,7 +221,7 @@ fn convert_table(table: DeTable<'_>, offset: usize, faults: &mut Vec<Diagnostic>
             }
         })
         .collect();
-    entries.sort_by_key(|item| item.key_span.start);
+    entries.sort_unstable_by_key(|item| item.key_span.start);
     Table { entries }
 }
 

@@ -49,7 +49,7 @@ pub(super) fn fields(folder: &Path, kept: RecordedOutput) -> Vec<(String, Vec<f6
     let mut fields = Fields::new();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
-    paths.sort();
+    paths.sort_unstable();
     for path in paths {
         let name = path.file_name().map(|name| name.to_string_lossy());
         let name = name.unwrap_or_default();

@@ -164,7 +164,7 @@ pub(super) fn listed(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let entries =
         std::fs::read_dir(folder).map_err(|error| OutputError::from_io(folder, "list", error))?;
     let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.sort();
+    paths.sort_unstable();
     Ok(paths)
 }
 

@@ -114,7 +114,7 @@ impl<const D: usize> LatticeForce<D> {
                 }
             }
         }
-        expected.sort_by_key(|(end, _)| *end);
+        expected.sort_unstable_by_key(|(end, _)| *end);
         if bonds != around.families.family(point).len() {
             return None;
         }

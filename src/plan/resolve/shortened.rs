@@ -49,7 +49,7 @@ fn cut(key: &str, length: &mut f64, end: f64) -> Option<String> {
 
 /// Leaves out the outputs after the end, where the last state is written anyway.
 fn outputs(scene: &Scene, output: &mut OutputPlan, end: f64) -> Option<String> {
-    output.times.sort_by(f64::total_cmp);
+    output.times.sort_unstable_by(f64::total_cmp);
     let kept = output.times.partition_point(|time| *time <= end);
     let late = output.times.split_off(kept);
     if let Some(every) = scene.output.every.filter(|every| every.value() > end) {

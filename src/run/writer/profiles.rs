@@ -165,7 +165,7 @@ fn outputs(plan: &Plan) -> usize {
     let (start, end) = (plan.time.start, plan.time.end);
     let before = |time: &&f64| **time > start + 1e-12 * end && **time < end * (1.0 - 1e-12);
     let mut times: Vec<f64> = plan.output.times.iter().filter(before).copied().collect();
-    times.sort_by(f64::total_cmp);
+    times.sort_unstable_by(f64::total_cmp);
     times.dedup_by(|b, a| *b - *a <= 1e-12 * end);
     times.len() + 1
 }

@@ -80,6 +80,16 @@ impl<'a> Reader<'a> {
         Ok(value)
     }
 
+    fn visit_single<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        match &self.node.value {
+            Value::Text(text) => visitor.visit_borrowed_str(text),
+            Value::Integer(number) => visitor.visit_i64(*number),
+            Value::Float(number) => visitor.visit_f64(*number),
+            Value::Boolean(value) => visitor.visit_bool(*value),
+            _ => Err(invalid(self.node, &visitor_words(&visitor))),
+        }
+    }
+
     /// The variant's name, the place of what names it, and the content.
     fn variant(
         self,
@@ -218,6 +228,54 @@ impl<'a> Deserializer<'a> for Reader<'a> {
         visitor.visit_some(self)
     }
 
+    // What asks for a table, a list or a single value is not compiled for the others.
+    fn deserialize_struct<V: Visitor<'a>>(
+        self,
+        _name: &'static str,
+        _fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        self.deserialize_map(visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        match &self.node.value {
+            Value::Table(_) => self.visit_table(visitor),
+            _ => Err(invalid(self.node, &visitor_words(&visitor))),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'a>>(
+        self,
+        _length: usize,
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_seq<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        match &self.node.value {
+            Value::List(list) => self.visit_list(list, visitor),
+            _ => Err(invalid(self.node, &visitor_words(&visitor))),
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        self.visit_single(visitor)
+    }
+
+    fn deserialize_f64<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        self.visit_single(visitor)
+    }
+
+    fn deserialize_u64<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        self.visit_single(visitor)
+    }
+
+    fn deserialize_string<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        self.visit_single(visitor)
+    }
+
     fn deserialize_newtype_struct<V: Visitor<'a>>(
         self,
         name: &'static str,
@@ -248,8 +306,8 @@ impl<'a> Deserializer<'a> for Reader<'a> {
 
     serde::forward_to_deserialize_any! {
         <W: Visitor<'a>>
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string
-        bytes byte_buf unit unit_struct seq tuple tuple_struct map struct identifier ignored_any
+        i8 i16 i32 i64 i128 u8 u16 u32 u128 f32 char str bytes byte_buf unit unit_struct tuple_struct
+        identifier ignored_any
     }
 }
 

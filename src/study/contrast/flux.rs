@@ -120,7 +120,7 @@ fn known_at(subject: &StudyCase, runs: &[&Measured]) -> Vec<(f64, Known)> {
         .filter(|run| run.done())
         .map(|run| run.variant.value("contrast"))
         .collect();
-    contrasts.sort_by(f64::total_cmp);
+    contrasts.sort_unstable_by(f64::total_cmp);
     contrasts.dedup();
     let at = |contrast: f64| {
         let plan = varied.plan_at(&subject.plan, contrast);
@@ -206,7 +206,7 @@ fn table(curves: &[(String, Vec<(f64, f64)>)]) -> Table {
         .flat_map(|(_, pairs)| pairs)
         .map(|p| p.0)
         .collect();
-    contrasts.sort_by(f64::total_cmp);
+    contrasts.sort_unstable_by(f64::total_cmp);
     contrasts.dedup();
     for contrast in contrasts {
         let cell = |pairs: &[(f64, f64)]| {

@@ -156,7 +156,7 @@ pub(super) fn units(unit: &str, colours: &ColourScale, window: &Window) -> (Show
 pub(super) fn cells(plot: &FieldPlot<'_>, colours: &ColourScale) -> (Vec<Cell>, Window) {
     let usable = |size: &f64| size.is_finite() && *size > 0.0;
     let mut known: Vec<f64> = plot.sizes.iter().copied().filter(usable).collect();
-    known.sort_by(f64::total_cmp);
+    known.sort_unstable_by(f64::total_cmp);
     let usual = known.get(known.len() / 2).copied().unwrap_or(1.0);
     let points = plot
         .positions
