@@ -59,6 +59,7 @@ FORMS = {
     "wing-cracks": "wing-cracks/smoke",
     "staged-injection": "staged-injection --set geometry.spacing=0.08",
     "penny-3d": "penny-3d/smoke",
+    "penny-viscosity": "penny-viscosity/smoke",
     "manufactured": "manufactured",
 }
 

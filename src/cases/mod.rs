@@ -181,6 +181,11 @@ pub const CASES: &[Case] = &[
         "smoke"
     ),
     case!(
+        "penny-viscosity",
+        "a penny-shaped crack that a viscous fluid drives, an eighth of it, against its exact solution",
+        "smoke"
+    ),
+    case!(
         "manufactured",
         "a smooth solution with its own source, for convergence studies"
     ),

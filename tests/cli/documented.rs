@@ -102,6 +102,10 @@ const SMALLER: &[(&str, &[&str])] = &[
     ("breakdown", &["geometry.spacing=6.25 cm"]),
     ("inclined-injection", INCLINED),
     ("inclined-injection/turned", INCLINED),
+    (
+        "penny-viscosity",
+        &["geometry.spacing=30 cm", "time.end=0.03"],
+    ),
     ("two-cracks", KGD),
     ("wing-cracks", &["geometry.spacing=8 cm", "time.end=0.3"]),
 ];

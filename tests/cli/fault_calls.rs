@@ -10,7 +10,7 @@ fn names_and_flags_that_do_not_exist() {
             arguments: &["run", "five-spto"],
             code: 2,
             stderr: r#"
-error: there is no file and no bundled case called "five-spto"; did you mean five-spot? (bundled: five-spot, two-layer, channel, barrier, inclusion, heterogeneous, spe10-1, reservoir-3d, theis, anisotropic, well-test, terzaghi, terzaghi-graded, terzaghi-tensor, column-3d, mandel, footing, layers-stiffness, sneddon, notched-tension, notched-shear, pressurised-notch, natural-fractures, injection-rate, kgd-toughness, kgd-viscosity, kgd-leak-off, breakdown, inclined-injection, two-cracks, wing-cracks, staged-injection, penny-3d, manufactured)
+error: there is no file and no bundled case called "five-spto"; did you mean five-spot? (bundled: five-spot, two-layer, channel, barrier, inclusion, heterogeneous, spe10-1, reservoir-3d, theis, anisotropic, well-test, terzaghi, terzaghi-graded, terzaghi-tensor, column-3d, mandel, footing, layers-stiffness, sneddon, notched-tension, notched-shear, pressurised-notch, natural-fractures, injection-rate, kgd-toughness, kgd-viscosity, kgd-leak-off, breakdown, inclined-injection, two-cracks, wing-cracks, staged-injection, penny-3d, penny-viscosity, manufactured)
 "#,
             ..FAULT
         },

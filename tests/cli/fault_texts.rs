@@ -106,6 +106,18 @@ error: cannot read the scene file `sceen.toml`: No such file or directory (os er
 fn keys_and_sections_that_do_not_exist() {
     check(&[
         Fault {
+            name: "a list where a table belongs",
+            change: &[("title = \"Base\"", "title = \"Base\"\naudit = [0.1, 0.2]")],
+            stderr: r#"
+error: expected a table, found a list
+ --> scene.toml:2:9
+  |
+2 | audit = [0.1, 0.2]
+  |         ^^^^^^^^^^
+"#,
+            ..FAULT
+        },
+        Fault {
             name: "a misspelt key",
             change: &[("permeability =", "permeabilty =")],
             stderr: r#"

@@ -39,6 +39,7 @@ const CASES: [&str; 34] = [
     "wing-cracks",
     "staged-injection",
     "penny-3d",
+    "penny-viscosity",
     "manufactured",
 ];
 

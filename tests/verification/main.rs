@@ -29,6 +29,7 @@ mod operators;
 mod output;
 mod patch;
 mod path;
+mod penny;
 mod poroelastic;
 mod restart;
 mod shares;
