@@ -214,13 +214,9 @@ impl<'a> Deserializer<'a> for Reader<'a> {
 
     fn deserialize_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, ReadError> {
         match &self.node.value {
-            Value::Text(text) => visitor.visit_borrowed_str(text),
-            Value::Integer(number) => visitor.visit_i64(*number),
-            Value::Float(number) => visitor.visit_f64(*number),
-            Value::Boolean(value) => visitor.visit_bool(*value),
-            Value::Date(_) => Err(invalid(self.node, &visitor_words(&visitor))),
             Value::List(list) => self.visit_list(list, visitor),
             Value::Table(_) => self.visit_table(visitor),
+            _ => self.visit_single(visitor),
         }
     }
 
