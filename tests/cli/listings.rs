@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::columns::MOVING;
 use crate::support::Place;
 
-const CASES: [&str; 34] = [
+const CASES: [&str; 35] = [
     "five-spot",
     "two-layer",
     "channel",
