@@ -1,4 +1,4 @@
-//! What pictures show: the whole plane, or of space three sections through its middle.
+//! What pictures show: the whole plane, or of space three sections through its first crack, else through its middle.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -44,11 +44,15 @@ pub(super) struct Sections {
 const MOST_KEPT: usize = 1 << 26;
 
 impl Sections {
-    /// The plane, or the layers of points nearest to the middle along z, x and y.
+    /// The plane, or the layers of points nearest to the centre of the first crack, else to the middle, along z, x
+    /// and y.
     pub(super) fn of<const D: usize>(plan: &Plan, model: &Model<D>) -> Self {
         let axes: &[usize] = if D == 2 { &[2] } else { &[2, 0, 1] };
         Sections {
-            all: axes.iter().map(|axis| Section::of(model, *axis)).collect(),
+            all: axes
+                .iter()
+                .map(|axis| Section::of(plan, model, *axis))
+                .collect(),
             in_fields: D == 2 && plan.output.vtu && model.subdomain().partition().is_none(),
             kept: VecDeque::new(),
         }
@@ -140,7 +144,7 @@ fn malformed(path: PathBuf, reason: &str) -> OutputError {
 }
 
 impl Section {
-    fn of<const D: usize>(model: &Model<D>, normal: usize) -> Self {
+    fn of<const D: usize>(plan: &Plan, model: &Model<D>, normal: usize) -> Self {
         let cloud = &model.cloud;
         if normal >= D {
             return Section {
@@ -151,7 +155,12 @@ impl Section {
                 in_space: false,
             };
         }
-        let middle = 0.5 * (cloud.domain.lower[normal] + cloud.domain.upper[normal]);
+        let (lower, upper) = (cloud.domain.lower[normal], cloud.domain.upper[normal]);
+        let centre = plan.cracks.iter().find_map(|crack| match &crack.place {
+            CrackPlace::Disc { centre, .. } => Some(centre[normal].clamp(lower, upper)),
+            CrackPlace::Chain(_) => None,
+        });
+        let middle = centre.unwrap_or(0.5 * (lower + upper));
         let (place, edge) = (
             |i: u32| cloud.position[i as usize][normal],
             |i: u32| cloud.cell[i as usize][normal],
