@@ -1,6 +1,7 @@
 //! Elementwise vector updates, parallel over the entries.
 
 use crate::parallel;
+
 /// Entries per parallel task: large enough to hide the cost of a task.
 const ENTRIES_PER_TASK: usize = 4096;
 
