@@ -254,17 +254,16 @@ impl Fingerprint {
 /// FNV-1a over blocks of indices, then over the hashes of the blocks.
 fn hash_indices(indices: &[u32]) -> u64 {
     let block = |number: usize| {
-        let first = number * HASHED;
-        hash_block(&indices[first..indices.len().min(first + HASHED)])
+        let first = number * INDICES_PER_BLOCK;
+        hash_block(&indices[first..indices.len().min(first + INDICES_PER_BLOCK)])
     };
-    let blocks = parallel::map(indices.len().div_ceil(HASHED), block);
+    let blocks = parallel::map(indices.len().div_ceil(INDICES_PER_BLOCK), block);
     blocks
         .iter()
         .fold(FNV_OFFSET, |hash, block| mix(hash, *block))
 }
 
-/// Indices of a block.
-const HASHED: usize = 1 << 16;
+const INDICES_PER_BLOCK: usize = 1 << 16;
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// Both halves of a product of 128 bits, one instruction each on any processor of 64 bits.
