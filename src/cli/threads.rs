@@ -22,22 +22,25 @@ pub(super) fn check_environment() -> Result<(), Failure> {
     number.map_or(Ok(()), |threads| bounded(&format!("{VARIABLE}="), threads))
 }
 
-/// Makes the pool of threads: as many as wished for, or as the default says.
+/// Makes the pool of threads: as many as wished for, or as the default says, or as there are processors.
+///
+/// The thread that runs belongs to it: handing every loop to others and waiting for them took more than many a loop of
+/// a small scene.
 ///
 /// # Errors
 /// [`Failure::Usage`] for a number that cannot be.
 pub(super) fn set(wish: Option<usize>, default: Option<usize>) -> Result<(), Failure> {
-    let Some(threads) = wish.or(default) else {
-        return Ok(());
-    };
-    if threads == 0 {
-        return Err(Failure::Usage("--threads must be at least 1".to_owned()));
+    let mut builder = rayon::ThreadPoolBuilder::new().use_current_thread();
+    if let Some(threads) = wish.or(default) {
+        if threads == 0 {
+            return Err(Failure::Usage("--threads must be at least 1".to_owned()));
+        }
+        bounded("--threads ", threads)?;
+        builder = builder.num_threads(threads);
     }
-    bounded("--threads ", threads)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global();
-    pool.map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))
+    let threads = wish.or(default).unwrap_or_default();
+    (builder.build_global())
+        .map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))
 }
 
 fn bounded(key: &str, threads: usize) -> Result<(), Failure> {

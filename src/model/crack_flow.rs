@@ -106,6 +106,34 @@ impl<const D: usize> CrackFlow<D> {
         self.donor = parallel::map(wet.len(), donor);
     }
 
+    /// Takes the pressure of the crack off points that nothing leads to as a response has left them: what led there in
+    /// a pass is not broken any more. True if there are any.
+    ///
+    /// Otherwise they would feel the pressure where the step ends, and keep the damage that it does.
+    pub fn withdraw(&mut self, elastic: &Elastic<D>, response: &Response<D>) -> bool {
+        let points = self.donor.len();
+        let mut filled: Vec<bool> = (0..points).map(|i| self.is_wet(i)).collect();
+        let mut led = filled.clone();
+        loop {
+            let axes = axes(elastic, response, &filled);
+            let leads = |i: usize| {
+                let pressed = self.donor[i] != DRY;
+                led[i] || pressed && continues(elastic, &axes, (&self.donor, &filled), i) != DRY
+            };
+            led = parallel::map(points, leads);
+            let breaks = |i: usize| filled[i] || led[i] && response.damage[i] > WET;
+            let next: Vec<bool> = (0..points).map(breaks).collect();
+            if next == filled {
+                break;
+            }
+            filled = next;
+        }
+        let left = |i: &usize| self.donor[*i] != DRY && !led[*i];
+        let left: Vec<usize> = (0..points).filter(left).collect();
+        left.iter().for_each(|i| self.donor[*i] = DRY);
+        !left.is_empty()
+    }
+
     /// Points that are broken and hold no fluid of a crack yet.
     pub fn broken(&self, damage: &[f64]) -> Vec<usize> {
         let broken = |i: &usize| damage[*i] > WET && !self.is_wet(*i);

@@ -199,6 +199,15 @@ impl<const D: usize> Model<D> {
         timers.time("flow", || self.fill_cracks(response, None));
     }
 
+    /// Takes the pressure of cracks off points that nothing leads to as passes have left them; true if there are any.
+    pub fn withdraw_fluid(&mut self, response: &Response<D>) -> bool {
+        let (Some(fracture), Some(solid)) = (&mut self.fracture_flow, &self.solid) else {
+            return false;
+        };
+        let cracks = fracture.cracks.as_mut();
+        cracks.is_some_and(|cracks| cracks.withdraw(&solid.elastic, response))
+    }
+
     fn fill_cracks(&mut self, response: &Response<D>, spreading: Option<Spreading>) {
         let Model {
             fracture_flow: Some(fracture),

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use perifrac::output::History;
 use perifrac::run::{Interrupt, Writer, run};
 
-use crate::support::plan;
+use crate::support::{model, plan};
 
 const MODULUS: f64 = 20e9 / 0.96;
 const RATE: f64 = 1e-3;
@@ -27,7 +27,7 @@ fn a_viscous_fluid_drives_a_penny_at_its_exact_pace() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = Writer::create(folder.path(), "").unwrap();
     let ran = run(&plan, Some(&mut writer), &mut (), &Interrupt::default());
-    let (summary, _) = ran.unwrap_or_else(|error| panic!("{error}"));
+    let (summary, state) = ran.unwrap_or_else(|error| panic!("{error}"));
     let history = History::read(folder.path().join("history.csv")).unwrap();
     let last = |name: &str| *history.column(name).unwrap().last().unwrap();
     let (radius, width) = exact(last("time_s"));
@@ -43,4 +43,17 @@ fn a_viscous_fluid_drives_a_penny_at_its_exact_pace() {
     let volume = results.crack_volume.unwrap() / (RATE * last("time_s") / 8.0);
     assert!((volume - 1.0).abs() < 1e-5, "{volume}");
     assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
+    // The in-situ stress leaves nothing of the strength that fluid must overcome, so all that it ever reached is damaged.
+    let model = model::<3>(&plan);
+    let damage = model.solid.and_then(|solid| solid.damage).unwrap();
+    let damage = damage.of(&state.history);
+    let position = &model.cloud.position;
+    let horizon = 2.3 * 0.2 + 1e-9;
+    let leads = |from: usize, to: usize| {
+        damage[from] > 0.1 && (position[from] - position[to]).norm() <= horizon
+    };
+    for i in (0..damage.len()).filter(|i| damage[*i] > 1e-6) {
+        let broken = (0..damage.len()).any(|j| leads(j, i));
+        assert!(broken, "nothing leads to {:?}: {}", position[i], damage[i]);
+    }
 }

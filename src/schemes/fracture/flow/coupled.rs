@@ -63,8 +63,8 @@ pub(super) struct CoupledPasses<'a, const D: usize> {
     model: &'a mut Model<D>,
     start: &'a StepStart<'a>,
     before: Option<Departure<D>>,
-    /// How far the pressure of cracks may reach in the next pass.
-    spreading: Spreading,
+    /// How far the pressure of cracks may reach in the next pass; no further once it was taken back.
+    spreading: Option<Spreading>,
 }
 
 impl<'a, const D: usize> CoupledPasses<'a, D> {
@@ -79,7 +79,7 @@ impl<'a, const D: usize> CoupledPasses<'a, D> {
             model,
             start,
             before: None,
-            spreading: Spreading::Anew,
+            spreading: Some(Spreading::Anew),
         }
     }
 
@@ -113,10 +113,12 @@ impl<'a, const D: usize> CoupledPasses<'a, D> {
         let (mut at, mut forces) = self.try_at(state)?;
         let mut rewetted = false;
         // Far from balance a pass may break much that does not stay so: nothing becomes wet by it.
-        if forces <= self.settings().near_balance {
+        if let Some(spreading) = self.spreading
+            && forces <= self.settings().near_balance
+        {
             let before = self.model.wet_points();
             let fields = (&state.displacement[..], &state.walls[..]);
-            let spreading = std::mem::replace(&mut self.spreading, Spreading::Further);
+            self.spreading = Some(Spreading::Further);
             self.model.follow_fractures(&at.response, fields, spreading);
             rewetted = before != self.model.wet_points();
             let boils = self.boil(state);
@@ -231,6 +233,14 @@ impl<const D: usize> Passes<D> for CoupledPasses<'_, D> {
     fn check(&self, state: &State, place: &Iterate<D>) -> Result<(), StepError> {
         self.step
             .check_run(self.model, self.start, state, &place.at)
+    }
+
+    fn takes_back(&mut self, place: &Iterate<D>) -> bool {
+        let withdrawn = self.model.withdraw_fluid(&place.at.response);
+        if withdrawn {
+            (self.spreading, self.before) = (None, None);
+        }
+        withdrawn
     }
 
     fn advance(

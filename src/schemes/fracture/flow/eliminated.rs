@@ -76,8 +76,8 @@ pub(super) struct EliminatedPasses<'a, const D: usize> {
     /// The model with the coefficients of the last place.
     model: &'a mut Model<D>,
     start: &'a StepStart<'a>,
-    /// How far the pressure of cracks may reach in the next pass.
-    spreading: Spreading,
+    /// How far the pressure of cracks may reach in the next pass; no further once it was taken back.
+    spreading: Option<Spreading>,
     /// Iterations of flow alone.
     pub iterations: usize,
 }
@@ -100,14 +100,18 @@ impl<'a, const D: usize> EliminatedPasses<'a, D> {
             step,
             model,
             start,
-            spreading: Spreading::Anew,
+            spreading: Some(Spreading::Anew),
             iterations: 0,
         }
     }
 
     /// Brings coefficients and compliance to a response.
     fn follow(&mut self, state: &State, at: &Trial<D>) -> Result<(), StepError> {
-        let spreading = std::mem::replace(&mut self.spreading, Spreading::Further);
+        let Some(spreading) = self.spreading else {
+            self.model.follow_openings(&at.response);
+            return Ok(());
+        };
+        self.spreading = Some(Spreading::Further);
         let fields = (&state.displacement[..], &state.walls[..]);
         self.model.follow_fractures(&at.response, fields, spreading);
         if spreading == Spreading::Anew {
@@ -202,6 +206,15 @@ impl<const D: usize> Passes<D> for EliminatedPasses<'_, D> {
     fn check(&self, state: &State, place: &Iterate<D>) -> Result<(), StepError> {
         self.step
             .check_run(self.model, self.start, state, &place.at)
+    }
+
+    fn takes_back(&mut self, place: &Iterate<D>) -> bool {
+        let withdrawn = self.model.withdraw_fluid(&place.at.response);
+        if withdrawn {
+            self.spreading = None;
+            self.step.acceleration.forget();
+        }
+        withdrawn
     }
 
     fn shortens(&self) -> bool {
