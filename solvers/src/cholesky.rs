@@ -3,15 +3,22 @@
 //! L D Lᵀ without pivoting exists for every ordering of a symmetric quasi-definite matrix
 //! (Vanderbei 1995, SIAM J. Optim. 5, 100). Nothing is added to small pivots.
 //!
-//! All work runs on one thread, so the bits of a factor do not depend on the number of threads.
+//! The bits of a factor do not depend on the number of threads.
+
+mod fronts;
+mod tree;
 
 use std::sync::Arc;
+
+use fronts::{Failure, Fronts, Ordered};
+use tree::Tree;
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
@@ -22,6 +29,7 @@ use faer::{Conj, Mat, MatMut, Par, Side};
 
 use crate::matrix::Rows;
 use crate::ordering::{Permutation, PointGraph, PointOrder, dissect, is_slender, sweep};
+use crate::parallel::Places;
 use crate::problem::{Problem, Symmetry};
 use crate::{CsrView, FactorPrediction, SolveError};
 
@@ -72,6 +80,8 @@ pub fn predict(problem: &Problem<'_>) -> Result<FactorPrediction, SolveError> {
 pub(crate) struct CholeskyFactor<T: RealField> {
     kind: Kind,
     symbolic: Arc<SymbolicCholesky<u32>>,
+    /// The supernodes, if there are any.
+    tree: Option<Arc<Tree>>,
     prediction: FactorPrediction,
     /// One column, so that its alignment and with it every bit is always the same.
     values: Mat<T>,
@@ -79,31 +89,38 @@ pub(crate) struct CholeskyFactor<T: RealField> {
     solve_memory: MemBuffer,
 }
 
-impl<T: RealField> CholeskyFactor<T> {
+impl<T: RealField + Copy> CholeskyFactor<T> {
     /// Ordering and symbolic factorisation; allocates all memory but the values.
     pub(crate) fn analyse(
         problem: &Problem<'_>,
         kind: Kind,
         ordering: Ordering,
     ) -> Result<Self, SolveError> {
-        Self::of(Arc::new(symbolic(problem, ordering)?), kind)
+        let symbolic = symbolic(problem, ordering)?;
+        let tree = match symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+            SymbolicCholeskyRaw::Supernodal(supernodes) => Some(Arc::new(Tree::new(supernodes))),
+        };
+        Self::of(Arc::new(symbolic), tree, kind)
     }
 
     /// The same factor in double precision, without values.
     pub(crate) fn in_double_precision(&self) -> Result<CholeskyFactor<f64>, SolveError> {
-        CholeskyFactor::of(self.symbolic.clone(), self.kind)
+        CholeskyFactor::of(self.symbolic.clone(), self.tree.clone(), self.kind)
     }
 
     /// Allocates all memory but the values.
-    fn of(symbolic: Arc<SymbolicCholesky<u32>>, kind: Kind) -> Result<Self, SolveError> {
+    fn of(
+        symbolic: Arc<SymbolicCholesky<u32>>,
+        tree: Option<Arc<Tree>>,
+        kind: Kind,
+    ) -> Result<Self, SolveError> {
         let allocate = |request: StackReq| {
-            MemBuffer::try_new(request).map_err(|_| SolveError::TooLarge {
-                unknowns: symbolic.nrows(),
-                reason: "out of memory".into(),
-            })
+            MemBuffer::try_new(request).map_err(|_| out_of_memory(symbolic.nrows()))
         };
         let (par, standard) = (Par::Seq, Default::default());
         let factor_request = match kind {
+            _ if tree.is_some() => StackReq::EMPTY,
             Kind::Llt => symbolic.factorize_numeric_llt_scratch::<T>(par, standard),
             Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<T>(par, Default::default()),
         };
@@ -115,6 +132,7 @@ impl<T: RealField> CholeskyFactor<T> {
             factor_memory: allocate(factor_request)?,
             solve_memory: allocate(solve_request)?,
             symbolic,
+            tree,
         })
     }
 
@@ -131,14 +149,48 @@ impl<T: RealField> CholeskyFactor<T> {
         entries: &[T],
     ) -> Result<(), SolveError> {
         self.reserve();
-        let rows = Rows::new(&matrix);
+        let failure = match (self.tree.clone(), self.symbolic.clone().raw()) {
+            (Some(tree), SymbolicCholeskyRaw::Supernodal(symbolic)) => {
+                self.factorise_fronts((&tree, symbolic), matrix, entries)
+            }
+            _ => self.factorise_columns(matrix, entries),
+        };
+        failure.map_err(|failure| match failure {
+            Failure::Pivot(row) => self.pivot_error(Rows::new(&matrix), row),
+            Failure::Memory => out_of_memory(matrix.rows()),
+        })
+    }
+
+    /// Front by front.
+    fn factorise_fronts(
+        &mut self,
+        (tree, symbolic): (&Tree, &SymbolicSupernodalCholesky<u32>),
+        matrix: CsrView<'_>,
+        entries: &[T],
+    ) -> Result<(), Failure> {
+        let fronts = Fronts {
+            tree,
+            symbolic,
+            kind: self.kind,
+            matrix: Ordered {
+                rows: Rows::new(&matrix),
+                entries,
+                permutation: self.symbolic.perm().map(PermRef::arrays),
+            },
+            values: Places::of(self.values.col_as_slice_mut(0)),
+        };
+        fronts.factorise()
+    }
+
+    /// Column by column, where there is next to no fill.
+    fn factorise_columns(&mut self, matrix: CsrView<'_>, entries: &[T]) -> Result<(), Failure> {
         let view = SparseColMatRef::new(pattern_of(&matrix), entries);
         let (values, side) = (self.values.col_as_slice_mut(0), Side::Lower);
         let memory = MemStack::new(&mut self.factor_memory);
         let (par, standard) = (Par::Seq, Default::default());
-        let failure = match self.kind {
-            Kind::Llt => self
-                .symbolic
+        let symbolic = &self.symbolic;
+        match self.kind {
+            Kind::Llt => symbolic
                 .factorize_numeric_llt(
                     values,
                     view,
@@ -148,10 +200,9 @@ impl<T: RealField> CholeskyFactor<T> {
                     memory,
                     Default::default(),
                 )
-                .err()
-                .map(|LltError::NonPositivePivot { index }| index),
-            Kind::Ldlt => self
-                .symbolic
+                .map(|_| ())
+                .map_err(|LltError::NonPositivePivot { index }| Failure::Pivot(index)),
+            Kind::Ldlt => symbolic
                 .factorize_numeric_ldlt(
                     values,
                     view,
@@ -161,10 +212,9 @@ impl<T: RealField> CholeskyFactor<T> {
                     memory,
                     Default::default(),
                 )
-                .err()
-                .map(|LdltError::ZeroPivot { index }| index),
-        };
-        failure.map_or(Ok(()), |index| Err(self.pivot_error(rows, index)))
+                .map(|_| ())
+                .map_err(|LdltError::ZeroPivot { index }| Failure::Pivot(index)),
+        }
     }
 
     /// Allocates the values with the first factorisation.
@@ -296,6 +346,10 @@ fn symbolic_of(
     };
     factorize_symbolic_cholesky(pattern, Side::Lower, order, parameters)
         .map_err(|error| too_large(pattern.nrows(), error))
+}
+
+fn out_of_memory(unknowns: usize) -> SolveError {
+    too_large(unknowns, FaerError::OutOfMemory)
 }
 
 pub(crate) fn too_large(unknowns: usize, error: FaerError) -> SolveError {

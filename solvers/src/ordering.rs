@@ -102,7 +102,8 @@ pub(crate) fn dissect(coordinates: &Coordinates<'_>, graph: &PointGraph<'_>) -> 
     }
 }
 
-/// Points sorted along the longest axis, ties by the other axes and the index.
+/// Points sorted along the longest axis, ties by the other axes and the index: from both ends to the middle, so that
+/// both halves can be eliminated at the same time.
 pub(crate) fn sweep(coordinates: &Coordinates<'_>, count: usize) -> PointOrder {
     let mut axes: Vec<usize> = (0..coordinates.dimension).collect();
     let extents = extents(coordinates);
@@ -117,7 +118,12 @@ pub(crate) fn sweep(coordinates: &Coordinates<'_>, count: usize) -> PointOrder {
     };
     let mut points: Vec<u32> = (0..count as u32).collect();
     points.sort_unstable_by(compare);
-    let groups = points.chunks(SWEEP_POINTS).map(<[u32]>::len).collect();
+    let (one, other) = points.split_at_mut(count / 2);
+    other.reverse();
+    let groups = [one, other]
+        .into_iter()
+        .flat_map(|half| half.chunks(SWEEP_POINTS));
+    let groups = groups.map(<[u32]>::len).collect();
     PointOrder { points, groups }
 }
 

@@ -55,19 +55,19 @@ impl Task<'_> {
 }
 
 /// Places of results, of which every part of a loop writes its own.
-struct Places<T>(*mut T);
+pub(crate) struct Places<T>(*mut T);
 
 // SAFETY: a part reaches the places of its own items alone, so that no place is shared by two threads.
 unsafe impl<T: Send> Sync for Places<T> {}
 
 impl<T> Places<T> {
-    fn of(slice: &mut [T]) -> Self {
+    pub(crate) fn of(slice: &mut [T]) -> Self {
         Places(slice.as_mut_ptr())
     }
 
     /// # Safety
     /// The range lies within the slice, which outlives `'a`, and nothing else reaches its places.
-    unsafe fn part<'a>(&self, range: Range<usize>) -> &'a mut [T] {
+    pub(crate) unsafe fn part<'a>(&self, range: Range<usize>) -> &'a mut [T] {
         // SAFETY: as the caller states.
         unsafe { std::slice::from_raw_parts_mut(self.0.add(range.start), range.len()) }
     }

@@ -1,7 +1,9 @@
 //! Tests of the Cholesky factors.
 
 use super::*;
-use crate::test_support::{grid_laplacian, jittered_grid, positive_definite, wide_stencil};
+use crate::test_support::{
+    add_to_diagonal, biot, grid_laplacian, in_pool, jittered_grid, positive_definite, wide_stencil,
+};
 
 fn fill(problem: &Problem<'_>, ordering: Ordering) -> u64 {
     prediction::<f64>(&symbolic(problem, ordering).unwrap()).nonzeros
@@ -66,4 +68,148 @@ fn a_slender_cloud_is_swept_where_that_takes_fewer_operations() {
         let chosen = flops(&problem, Ordering::Automatic);
         assert!((chosen - sweep.min(dissected)).abs() < 0.5);
     }
+}
+
+/// The factor of faer's own factorisation, which looks to the left.
+fn plain<T: RealField + Copy>(factor: &CholeskyFactor<T>) -> CholeskyFactor<T> {
+    CholeskyFactor::of(factor.symbolic.clone(), None, factor.kind).unwrap()
+}
+
+/// Largest difference of the values of two factors over the largest value of one.
+fn difference<T: RealField + Copy + Into<f64>>(
+    one: &CholeskyFactor<T>,
+    other: &CholeskyFactor<T>,
+) -> f64 {
+    let values = |factor: &CholeskyFactor<T>| -> Vec<f64> {
+        let values = factor.values.col_as_slice(0);
+        values.iter().map(|value| (*value).into()).collect()
+    };
+    let (one, other) = (values(one), values(other));
+    let largest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |m, v| f64::max(m, v.abs()));
+    largest(&mut one.iter().zip(&other).map(|(a, b)| a - b)) / largest(&mut one.iter().copied())
+}
+
+#[test]
+fn fronts_give_the_factor_that_looking_to_the_left_gives() {
+    let cloud = jittered_grid(25, 17, 0.2);
+    let stiff = wide_stencil(&cloud, 2, 3.2, 1);
+    let mixed = biot(&cloud, 1.0, 1e-2);
+    for (matrix, unknowns, kind) in [
+        (&stiff, 2, Kind::Llt),
+        (&stiff, 2, Kind::Ldlt),
+        (&mixed, mixed.rows() / cloud.points(), Kind::Ldlt),
+    ] {
+        let problem = positive_definite(matrix, Some(&cloud), unknowns);
+        for ordering in [
+            Ordering::NestedDissection,
+            Ordering::Sweep,
+            Ordering::MinimumDegree,
+        ] {
+            let mut fronts = CholeskyFactor::<f64>::analyse(&problem, kind, ordering).unwrap();
+            assert!(fronts.tree.is_some(), "{ordering:?}");
+            let mut columns = plain(&fronts);
+            fronts.factorise(matrix.view()).unwrap();
+            columns.factorise(matrix.view()).unwrap();
+            let found = difference(&fronts, &columns);
+            assert!(found < 1e-12, "{kind:?} {ordering:?}: {found}");
+            let mut single = CholeskyFactor::<f32>::analyse(&problem, kind, ordering).unwrap();
+            let entries: Vec<f32> = matrix.data().iter().map(|value| *value as f32).collect();
+            let mut columns = plain(&single);
+            single.factorise_values(matrix.view(), &entries).unwrap();
+            columns.factorise_values(matrix.view(), &entries).unwrap();
+            let found = difference(&single, &columns);
+            assert!(found < 1e-4, "{kind:?} {ordering:?}: {found}");
+        }
+    }
+}
+
+#[test]
+fn bits_of_a_factor_and_the_pivot_that_fails_are_the_same_on_any_number_of_threads() {
+    // The largest fronts are shared by all threads.
+    let cloud = jittered_grid(30, 30, 0.2);
+    let sound = wide_stencil(&cloud, 3, 4.6, 1);
+    // Several pivots fail, in branches that do not depend on each other.
+    let mut broken = sound.clone();
+    add_to_diagonal(&mut broken, |row| if row % 301 == 5 { -1e6 } else { 0.0 });
+    let problem = positive_definite(&sound, Some(&cloud), 3);
+    let outcome = |threads: usize| {
+        in_pool(threads, || {
+            let analysed = CholeskyFactor::<f64>::analyse(&problem, Kind::Llt, Ordering::Automatic);
+            let mut factor = analysed.unwrap();
+            factor.factorise(sound.view()).unwrap();
+            let values = factor.values.col_as_slice(0).iter();
+            let bits: Vec<u64> = values.map(|value| value.to_bits()).collect();
+            (bits, format!("{:?}", factor.factorise(broken.view())))
+        })
+    };
+    let (bits, failure) = outcome(1);
+    assert!(failure.contains("NotPositiveDefinite"), "{failure}");
+    for threads in [2, 3, 5] {
+        let (own, failed) = outcome(threads);
+        assert!(own == bits, "{threads} threads");
+        assert_eq!(failed, failure);
+    }
+}
+
+#[test]
+fn subtrees_lie_in_one_piece_behind_their_branches() {
+    let cloud = jittered_grid(30, 20, 0.2);
+    let a = wide_stencil(&cloud, 2, 2.5, 1);
+    let problem = positive_definite(&a, Some(&cloud), 2);
+    let factor = CholeskyFactor::<f64>::analyse(&problem, Kind::Llt, Ordering::Automatic).unwrap();
+    let tree = factor.tree.unwrap();
+    let below = |node: u32| {
+        let branches = tree.children(node).iter();
+        branches
+            .map(|child| tree.subtree(*child).len())
+            .sum::<usize>()
+    };
+    let mut seen = 0;
+    for root in &tree.roots {
+        for node in tree.subtree(*root) {
+            let own = tree.subtree(*node);
+            assert_eq!((own.last(), own.len()), (Some(node), below(*node) + 1));
+            seen += 1;
+        }
+    }
+    let SymbolicCholeskyRaw::Supernodal(symbolic) = factor.symbolic.raw() else {
+        unreachable!("it fills");
+    };
+    assert_eq!(seen, symbolic.n_supernodes());
+    assert!(tree.roots.iter().any(|root| {
+        let mut node = *root;
+        while let [only] = tree.heavy(tree.children(node))[..] {
+            node = only;
+        }
+        tree.heavy(tree.children(node)).len() > 1
+    }));
+}
+
+/// Grids that do not touch: a root each, too light for a thread of their own.
+#[test]
+fn matrices_that_fall_apart_have_a_root_for_every_part() {
+    let cloud = jittered_grid(6, 6, 0.2);
+    let one = wide_stencil(&cloud, 3, 4.6, 1);
+    let (size, copies) = (one.rows(), 300);
+    let mut triplets = sprs::TriMatI::<f64, u32>::new((copies * size, copies * size));
+    for copy in 0..copies {
+        for (value, (row, column)) in one.iter() {
+            let place = |index: u32| copy * size + index as usize;
+            triplets.add_triplet(place(row), place(column), *value);
+        }
+    }
+    let matrix: crate::CsrMatrix = triplets.to_csr();
+    let problem = positive_definite(&matrix, None, 3);
+    let analyse = || CholeskyFactor::<f64>::analyse(&problem, Kind::Llt, Ordering::Automatic);
+    let mut factor = analyse().unwrap();
+    let roots = factor.tree.as_ref().map(|tree| tree.roots.len());
+    assert_eq!(roots, Some(copies));
+    let rhs = crate::test_support::noisy_vector(copies * size);
+    factor.factorise(matrix.view()).unwrap();
+    let mut x = rhs.clone();
+    factor.solve_in_place(&mut x);
+    let mut left = vec![0.0; x.len()];
+    crate::multiply(matrix.view(), &x, &mut left);
+    assert!(crate::test_support::relative_error(&left, &rhs) < 1e-12);
 }

@@ -98,7 +98,7 @@ fn there_is_no_dissection_without_coordinates() {
 }
 
 #[test]
-fn a_sweep_follows_the_longest_axis_with_ties_by_the_others() {
+fn a_sweep_follows_the_longest_axis_from_both_ends_with_ties_by_the_others() {
     let (length, height) = (30, 4);
     let coordinates: Vec<f64> = (0..length * height)
         .flat_map(|point| [(point / length) as f64, (point % length) as f64])
@@ -109,8 +109,14 @@ fn a_sweep_follows_the_longest_axis_with_ties_by_the_others() {
     };
     assert!(is_slender(&coordinates));
     let order = sweep(&coordinates, length * height).of_points();
+    let middle = length * height / 2;
     for (new, point) in order.forward.iter().enumerate() {
-        assert_eq!(*point as usize, new % height * length + new / height);
+        let along = if new < middle {
+            new
+        } else {
+            3 * middle - 1 - new
+        };
+        assert_eq!(*point as usize, along % height * length + along / height);
     }
 }
 
