@@ -17,12 +17,18 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
+use faer::prelude::IntoConst;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::simplicial::{
+    SymbolicSimplicialCholesky, factorize_simplicial_numeric_ldlt,
+    factorize_simplicial_numeric_ldlt_scratch, factorize_simplicial_numeric_llt,
+};
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
+use faer::sparse::utils::{permute_self_adjoint_scratch, permute_self_adjoint_to_unsorted};
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
 use faer::traits::RealField;
 use faer::{Conj, Mat, MatMut, Par, Side};
@@ -87,6 +93,15 @@ pub(crate) struct CholeskyFactor<T: RealField> {
     values: Mat<T>,
     factor_memory: MemBuffer,
     solve_memory: MemBuffer,
+    /// The matrix in the order of a factor without supernodes.
+    upper: Upper<T>,
+}
+
+/// The upper triangle of a matrix by columns.
+struct Upper<T> {
+    starts: Vec<u32>,
+    rows: Vec<u32>,
+    values: Vec<T>,
 }
 
 impl<T: RealField + Copy> CholeskyFactor<T> {
@@ -118,11 +133,13 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
         let allocate = |request: StackReq| {
             MemBuffer::try_new(request).map_err(|_| out_of_memory(symbolic.nrows()))
         };
-        let (par, standard) = (Par::Seq, Default::default());
-        let factor_request = match kind {
-            _ if tree.is_some() => StackReq::EMPTY,
-            Kind::Llt => symbolic.factorize_numeric_llt_scratch::<T>(par, standard),
-            Kind::Ldlt => symbolic.factorize_numeric_ldlt_scratch::<T>(par, Default::default()),
+        let factor_request = match symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(_) => StackReq::EMPTY,
+            SymbolicCholeskyRaw::Simplicial(_) => {
+                let unknowns = symbolic.nrows();
+                let numeric = factorize_simplicial_numeric_ldlt_scratch::<u32, T>(unknowns);
+                numeric.or(permute_self_adjoint_scratch::<u32>(unknowns))
+            }
         };
         let solve_request = symbolic.solve_in_place_scratch::<T>(1, Par::Seq);
         Ok(Self {
@@ -131,6 +148,11 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
             values: Mat::new(),
             factor_memory: allocate(factor_request)?,
             solve_memory: allocate(solve_request)?,
+            upper: Upper {
+                starts: Vec::new(),
+                rows: Vec::new(),
+                values: Vec::new(),
+            },
             symbolic,
             tree,
         })
@@ -149,11 +171,17 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
         entries: &[T],
     ) -> Result<(), SolveError> {
         self.reserve();
-        let failure = match (self.tree.clone(), self.symbolic.clone().raw()) {
-            (Some(tree), SymbolicCholeskyRaw::Supernodal(symbolic)) => {
+        let failure = match self.symbolic.clone().raw() {
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                let tree = self
+                    .tree
+                    .clone()
+                    .unwrap_or_else(|| Arc::new(Tree::new(symbolic)));
                 self.factorise_fronts((&tree, symbolic), matrix, entries)
             }
-            _ => self.factorise_columns(matrix, entries),
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                self.factorise_columns(symbolic, matrix, entries)
+            }
         };
         failure.map_err(|failure| match failure {
             Failure::Pivot(row) => self.pivot_error(Rows::new(&matrix), row),
@@ -183,37 +211,45 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
     }
 
     /// Column by column, where there is next to no fill.
-    fn factorise_columns(&mut self, matrix: CsrView<'_>, entries: &[T]) -> Result<(), Failure> {
-        let view = SparseColMatRef::new(pattern_of(&matrix), entries);
-        let (values, side) = (self.values.col_as_slice_mut(0), Side::Lower);
+    fn factorise_columns(
+        &mut self,
+        symbolic: &SymbolicSimplicialCholesky<u32>,
+        matrix: CsrView<'_>,
+        entries: &[T],
+    ) -> Result<(), Failure> {
         let memory = MemStack::new(&mut self.factor_memory);
-        let (par, standard) = (Par::Seq, Default::default());
-        let symbolic = &self.symbolic;
+        let given = SparseColMatRef::new(pattern_of(&matrix), entries);
+        let Upper {
+            starts,
+            rows,
+            values: own,
+        } = &mut self.upper;
+        starts.resize(matrix.rows() + 1, 0);
+        rows.resize(entries.len(), 0);
+        own.resize(entries.len(), T::zero());
+        let (lower, upper) = (Side::Lower, Side::Upper);
+        // Without a permutation the upper triangle is there as it is.
+        let ordered = match self.symbolic.perm() {
+            None => given,
+            Some(order) => permute_self_adjoint_to_unsorted(
+                own, starts, rows, given, order, lower, upper, memory,
+            )
+            .into_const(),
+        };
+        let values = self.values.col_as_slice_mut(0);
+        let regular = Default::default();
         match self.kind {
-            Kind::Llt => symbolic
-                .factorize_numeric_llt(
-                    values,
-                    view,
-                    side,
-                    standard,
-                    par,
-                    memory,
-                    Default::default(),
-                )
-                .map(|_| ())
-                .map_err(|LltError::NonPositivePivot { index }| Failure::Pivot(index)),
-            Kind::Ldlt => symbolic
-                .factorize_numeric_ldlt(
-                    values,
-                    view,
-                    side,
-                    Default::default(),
-                    par,
-                    memory,
-                    Default::default(),
-                )
-                .map(|_| ())
-                .map_err(|LdltError::ZeroPivot { index }| Failure::Pivot(index)),
+            Kind::Llt => {
+                factorize_simplicial_numeric_llt(values, ordered, regular, symbolic, memory)
+                    .map(|_| ())
+                    .map_err(|LltError::NonPositivePivot { index }| Failure::Pivot(index))
+            }
+            Kind::Ldlt => {
+                let regular = Default::default();
+                factorize_simplicial_numeric_ldlt(values, ordered, regular, symbolic, memory)
+                    .map(|_| ())
+                    .map_err(|LdltError::ZeroPivot { index }| Failure::Pivot(index))
+            }
         }
     }
 

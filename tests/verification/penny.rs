@@ -45,8 +45,8 @@ fn a_viscous_fluid_drives_a_penny_at_its_exact_pace() {
     assert!(summary.balance.mass < 1e-6, "{}", summary.balance.mass);
     // The in-situ stress leaves nothing of the strength that fluid must overcome, so all that it ever reached is damaged.
     let model = model::<3>(&plan);
-    let damage = model.solid.and_then(|solid| solid.damage).unwrap();
-    let damage = damage.of(&state.history);
+    let solid = model.solid.as_ref().unwrap();
+    let damage = solid.damage.as_ref().unwrap().of(&state.history);
     let position = &model.cloud.position;
     let horizon = 2.3 * 0.2 + 1e-9;
     let leads = |from: usize, to: usize| {
