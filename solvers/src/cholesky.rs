@@ -86,8 +86,8 @@ pub fn predict(problem: &Problem<'_>) -> Result<FactorPrediction, SolveError> {
 pub(crate) struct CholeskyFactor<T: RealField> {
     kind: Kind,
     symbolic: Arc<SymbolicCholesky<u32>>,
-    /// The supernodes, if there are any.
-    tree: Option<Arc<Tree>>,
+    /// The supernodes; none where there is next to no fill.
+    tree: Arc<Tree>,
     prediction: FactorPrediction,
     /// One column, so that its alignment and with it every bit is always the same.
     values: Mat<T>,
@@ -113,10 +113,10 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
     ) -> Result<Self, SolveError> {
         let symbolic = symbolic(problem, ordering)?;
         let tree = match symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(_) => None,
-            SymbolicCholeskyRaw::Supernodal(supernodes) => Some(Arc::new(Tree::new(supernodes))),
+            SymbolicCholeskyRaw::Simplicial(_) => Tree::default(),
+            SymbolicCholeskyRaw::Supernodal(supernodes) => Tree::new(supernodes),
         };
-        Self::of(Arc::new(symbolic), tree, kind)
+        Self::of(Arc::new(symbolic), Arc::new(tree), kind)
     }
 
     /// The same factor in double precision, without values.
@@ -127,7 +127,7 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
     /// Allocates all memory but the values.
     fn of(
         symbolic: Arc<SymbolicCholesky<u32>>,
-        tree: Option<Arc<Tree>>,
+        tree: Arc<Tree>,
         kind: Kind,
     ) -> Result<Self, SolveError> {
         let allocate = |request: StackReq| {
@@ -171,19 +171,15 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
         entries: &[T],
     ) -> Result<(), SolveError> {
         self.reserve();
-        let failure = match self.symbolic.clone().raw() {
+        let outcome = match self.symbolic.clone().raw() {
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let tree = self
-                    .tree
-                    .clone()
-                    .unwrap_or_else(|| Arc::new(Tree::new(symbolic)));
-                self.factorise_fronts((&tree, symbolic), matrix, entries)
+                self.factorise_fronts(symbolic, matrix, entries)
             }
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 self.factorise_columns(symbolic, matrix, entries)
             }
         };
-        failure.map_err(|failure| match failure {
+        outcome.map_err(|failure| match failure {
             Failure::Pivot(row) => self.pivot_error(Rows::new(&matrix), row),
             Failure::Memory => out_of_memory(matrix.rows()),
         })
@@ -192,12 +188,12 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
     /// Front by front.
     fn factorise_fronts(
         &mut self,
-        (tree, symbolic): (&Tree, &SymbolicSupernodalCholesky<u32>),
+        symbolic: &SymbolicSupernodalCholesky<u32>,
         matrix: CsrView<'_>,
         entries: &[T],
     ) -> Result<(), Failure> {
         let fronts = Fronts {
-            tree,
+            tree: &self.tree,
             symbolic,
             kind: self.kind,
             matrix: Ordered {
@@ -237,16 +233,16 @@ impl<T: RealField + Copy> CholeskyFactor<T> {
             .into_const(),
         };
         let values = self.values.col_as_slice_mut(0);
-        let regular = Default::default();
         match self.kind {
             Kind::Llt => {
-                factorize_simplicial_numeric_llt(values, ordered, regular, symbolic, memory)
+                let plain = Default::default();
+                factorize_simplicial_numeric_llt(values, ordered, plain, symbolic, memory)
                     .map(|_| ())
                     .map_err(|LltError::NonPositivePivot { index }| Failure::Pivot(index))
             }
             Kind::Ldlt => {
-                let regular = Default::default();
-                factorize_simplicial_numeric_ldlt(values, ordered, regular, symbolic, memory)
+                let plain = Default::default();
+                factorize_simplicial_numeric_ldlt(values, ordered, plain, symbolic, memory)
                     .map(|_| ())
                     .map_err(|LdltError::ZeroPivot { index }| Failure::Pivot(index))
             }

@@ -38,9 +38,8 @@ pub(super) fn set(wish: Option<usize>, default: Option<usize>) -> Result<(), Fai
         bounded("--threads ", threads)?;
         builder = builder.num_threads(threads);
     }
-    let threads = wish.or(default).unwrap_or_default();
     (builder.build_global())
-        .map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))
+        .map_err(|error| Failure::Usage(format!("no threads to run on: {error}")))
 }
 
 fn bounded(key: &str, threads: usize) -> Result<(), Failure> {

@@ -7,6 +7,7 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 const PARTS: f64 = 256.0;
 
 /// The supernodes of a factor as a tree.
+#[derive(Default)]
 pub(super) struct Tree {
     /// First child of every supernode in `child`, shape `(supernodes + 1,)`.
     starts: Vec<u32>,
